@@ -1,0 +1,58 @@
+/* Material points: component-major arrays in an order that kernels like. */
+#ifndef SDR_NOM_POINTS_H
+#define SDR_NOM_POINTS_H
+
+#include "base/status.h"
+
+#include <stdint.h>
+
+/* Consecutive points of one lattice row: first .. first + length - 1, at the lattice coordinates
+   cell, cell + e, cell + 2 e, ... with e the unit step along the points' row_axis. */
+typedef struct {
+  int32_t first, length;
+  int32_t cell[3];
+} sdr_row;
+
+/* Owned points come first, ghosts (copies of another process's points; none on one machine) after
+   them. Arrays are 64-byte aligned and padded with zeros to a multiple of 8 beyond `count + 8`. */
+typedef struct {
+  int32_t count;   /* owned points */
+  int32_t ghosts;  /* 0 */
+  int components;  /* 1, 2 or 3; unused components of x are NULL */
+  double *x[3];    /* m, reference positions */
+  double *volume;  /* m^3, thickness or area included */
+  double *spacing; /* m */
+  double *horizon; /* m */
+  uint8_t *material;
+  uint8_t *level;     /* refinement level, 0 coarsest; NULL: all 0 */
+  int32_t *generated; /* index in the order of generation; NULL: the same order. Random numbers are
+                         drawn in that order, so that they do not depend on the storage order */
+
+  /* On one lattice (no jitter, no levels), else row_count = 0: */
+  int32_t *cell; /* 3 a point, lattice coordinates; consumed (freed) by sdr_points_arrange */
+  double lattice_spacing;
+  double axes[3][3]; /* axes[a]: unit vector of lattice axis a; identity if not turned */
+  int row_axis;
+  int row_count;
+  sdr_row *rows; /* in storage order; a row never crosses a stripe */
+
+  /* Contiguous stripes of points; every bond that runs store joins a stripe to itself or to the
+     next one. stripe k holds points stripe_first[k] .. stripe_first[k + 1] - 1. */
+  int stripe_count;
+  int32_t *stripe_first;
+} sdr_points;
+
+/* Allocate `count` points (>= 1) with `components` components; `lattice` != 0 gives `cell` too.
+   All values are zero, axes the identity. The caller fills them in, then calls
+   sdr_points_arrange. Owner: the caller, who destroys. */
+sdr_status sdr_points_create(int32_t count, int components, int lattice, sdr_points **out);
+void sdr_points_destroy(sdr_points **points); /* NULL-safe */
+
+/* Bring the points into storage order (lattices: rows within slabs, else along a space-filling
+   curve), set `generated`, rows and stripes. Needs x and horizon, and cell on a lattice. */
+sdr_status sdr_points_arrange(sdr_points *points);
+
+/* Index of the point nearest to at[3]; ties go to the lowest generated index. Linear search. */
+int32_t sdr_points_nearest(const sdr_points *points, const double at[3]);
+
+#endif

@@ -1,0 +1,95 @@
+#include "base/memory.h"
+
+#include "base/status.h"
+
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 };
+
+/* Sits in the 64 bytes before each block. */
+typedef struct {
+  size_t bytes;
+} header;
+
+static atomic_size_t held, most_held;
+static atomic_long successes_left = -1;
+
+static int injected_failure(void)
+{
+  long left = atomic_load(&successes_left);
+  if (left < 0) return 0;
+  if (left == 0) return 1;
+  atomic_store(&successes_left, left - 1);
+  return 0;
+}
+
+static void count_bytes(size_t bytes)
+{
+  const size_t now = atomic_fetch_add(&held, bytes) + bytes;
+  size_t most = atomic_load(&most_held);
+  while (now > most && !atomic_compare_exchange_weak(&most_held, &most, now)) {
+  }
+}
+
+void *sdr_alloc(size_t count, size_t size)
+{
+  if (size != 0 && count > (SIZE_MAX - 4 * (size_t)ALIGNMENT) / size) {
+    sdr_fail(SDR_RUN_FAILED, "out of memory: %zu elements of %zu bytes overflow", count, size);
+    return NULL;
+  }
+  const size_t wanted = count * size;
+  const size_t padded = (wanted / ALIGNMENT + 2) * ALIGNMENT;
+  char *base = injected_failure() ? NULL : aligned_alloc(ALIGNMENT, padded + ALIGNMENT);
+  if (!base) {
+    sdr_fail(SDR_RUN_FAILED, "out of memory: %zu bytes were asked for, %zu are in use", wanted,
+             sdr_memory_now());
+    return NULL;
+  }
+  memset(base, 0, padded + ALIGNMENT);
+  ((header *)(void *)base)->bytes = wanted;
+  count_bytes(wanted);
+  return base + ALIGNMENT;
+}
+
+void *sdr_realloc(void *block, size_t count, size_t size)
+{
+  void *grown = sdr_alloc(count, size);
+  if (!grown || !block) return grown;
+  const size_t old = ((header *)(void *)((char *)block - ALIGNMENT))->bytes;
+  const size_t kept = old < count * size ? old : count * size;
+  memcpy(grown, block, kept);
+  sdr_free(block);
+  return grown;
+}
+
+char *sdr_strdup(const char *text)
+{
+  const size_t length = strlen(text) + 1;
+  char *copy = sdr_alloc(length, 1);
+  if (copy) memcpy(copy, text, length);
+  return copy;
+}
+
+void sdr_free(void *block)
+{
+  if (!block) return;
+  char *base = (char *)block - ALIGNMENT;
+  atomic_fetch_sub(&held, ((header *)(void *)base)->bytes);
+  free(base);
+}
+
+size_t sdr_memory_now(void)
+{
+  return atomic_load(&held);
+}
+size_t sdr_memory_peak(void)
+{
+  return atomic_load(&most_held);
+}
+void sdr_memory_fail_after(long successes)
+{
+  atomic_store(&successes_left, successes);
+}

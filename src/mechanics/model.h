@@ -1,0 +1,89 @@
+/* The interface of a model: an energy functional over the bonds or points of a body, with damage.
+   Whoever uses it sees points and arrays; bonds stay inside. */
+#ifndef SDR_MECHANICS_MODEL_H
+#define SDR_MECHANICS_MODEL_H
+
+#include "base/status.h"
+#include "nom/points.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Energies of a state, J. */
+typedef struct {
+  double stored;
+  double dissipated;
+  double max_damage; /* largest damage of a bond, in [0, 1]; bonds cut at the start not counted */
+  int64_t broken;    /* directed bonds grown past d = 0.5 since t = 0 */
+} sdr_energies;
+
+/* A block of memory that belongs to the state (history, flags), for checkpoints. */
+typedef struct {
+  const char *name;
+  void *data;
+  size_t bytes;
+} sdr_state_block;
+
+enum { SDR_STATE_BLOCKS = 8 };
+
+typedef enum {
+  SDR_FIELD_DAMAGE,         /* 1 component: mean over H_i of d_ij by volume */
+  SDR_FIELD_ENERGY_DENSITY, /* 1: stored energy per volume, half of each bond's at both ends, J/m^3
+                             */
+  SDR_FIELD_DISSIPATED,     /* 1: likewise, J/m^3 */
+  SDR_FIELD_STRESS,         /* xx, yy, xy | xx, yy, zz, yz, xz, xy | xx; Pa */
+  SDR_FIELD_STRAIN,         /* as stress, small strain from the nonlocal gradient */
+  SDR_FIELD_DILATATION      /* 1: trace of the strain */
+} sdr_model_field;
+
+typedef struct sdr_model sdr_model;
+
+/* u and f: `components` arrays of points->count values. Unused components are NULL. */
+typedef struct {
+  const char *name;
+
+  /* f = -d(energy)/du, with each bond's history the larger of the committed and the present one;
+     changes nothing in the model. N. */
+  void (*force)(sdr_model *model, double *const u[3], double *const f[3]);
+
+  /* The same, and the history is committed as it goes (explicit schemes accept every step).
+     v: velocity of the step that led to u and its length dt, so that u - dt v is the state before;
+     critical stretch books what the scheme loses with it (theory sec. 4). */
+  void (*force_commit)(sdr_model *model, double *const u[3], double *const v[3], double dt,
+                       double *const f[3]);
+
+  /* Accept u: damage history takes it in. */
+  void (*commit)(sdr_model *model, double *const u[3]);
+
+  /* Energies with history = max(committed, present). */
+  void (*energies)(sdr_model *model, double *const u[3], sdr_energies *out);
+
+  /* out = -d f/du v at u, exact away from kinks (theory sec. 4). N/m times m. */
+  sdr_status (*tangent_times)(sdr_model *model, double *const u[3], double *const v[3],
+                              double *const out[3]);
+
+  /* Diagonal blocks of the tangent at u: components^2 values a point, row major. */
+  sdr_status (*tangent_diagonal)(sdr_model *model, double *const u[3], double *out);
+
+  /* A field over points: out holds points->count values per component, component-major. */
+  sdr_status (*field)(sdr_model *model, double *const u[3], sdr_model_field which, double *out);
+
+  /* Each unordered pair once, with the mean damage of its directed bonds (1: cut or broken). */
+  void (*visit_damage)(sdr_model *model, double *const u[3],
+                       void (*visit)(void *context, int32_t i, int32_t j, double damage),
+                       void *context);
+
+  /* The blocks that a checkpoint must hold; *count <= SDR_STATE_BLOCKS. */
+  void (*state)(sdr_model *model, sdr_state_block *blocks, int *count);
+
+  void (*destroy)(sdr_model *model);
+} sdr_model_ops;
+
+/* The head of every model; concrete models have it as their first member. */
+struct sdr_model {
+  const sdr_model_ops *ops;
+  const sdr_points *points;
+  int64_t bonds; /* directed, cut ones included */
+};
+
+#endif

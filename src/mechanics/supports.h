@@ -1,0 +1,33 @@
+/* Prescribed displacements and velocities, by component (design sec. 4). */
+#ifndef SDR_MECHANICS_SUPPORTS_H
+#define SDR_MECHANICS_SUPPORTS_H
+
+#include "nom/points.h"
+#include "scene/scene.h"
+
+typedef struct sdr_supports sdr_supports;
+
+/* Find the supported points. A support that meets no point is SDR_BAD_INPUT with its origin; so
+   are two supports that prescribe the same component of a point at overlapping times. The supports
+   borrow scene and points. Owner: the caller. */
+sdr_status sdr_supports_create(const sdr_scene *scene, const sdr_points *points,
+                               sdr_supports **out);
+void sdr_supports_destroy(sdr_supports **supports); /* NULL-safe */
+
+/* A prescribed component of a point. */
+typedef struct {
+  int32_t point;
+  int8_t component;
+  int8_t is_velocity; /* value is m/s, else m */
+  int16_t support;    /* index in the scene: names the reaction */
+} sdr_prescribed;
+
+/* All prescribed components, by point then component, whether active or not. */
+int32_t sdr_supports_count(const sdr_supports *supports);
+const sdr_prescribed *sdr_supports_list(const sdr_supports *supports);
+
+/* Values of all entries at time t (m or m/s, ramp applied); NAN where not active at t. The array
+   holds sdr_supports_count values. */
+sdr_status sdr_supports_values(sdr_supports *supports, double t, double *values);
+
+#endif

@@ -1,0 +1,50 @@
+/* The interface of an observer: something that looks at a run as it goes and writes what it sees.
+ */
+#ifndef SDR_OUTPUT_OBSERVER_H
+#define SDR_OUTPUT_OBSERVER_H
+
+#include "mechanics/system.h"
+#include "scene/scene.h"
+
+/* A moment of a run, given to every observer. */
+typedef struct {
+  sdr_system *system;
+  const sdr_scene *scene;
+  const char *directory; /* of the run's output */
+  double time, step_size, end;
+  int64_t step, steps; /* accepted so far; expected in all */
+  int last;            /* 1 at the end of the run */
+  const sdr_balance
+      *balance; /* energies and momenta now; NULL unless some observer asked (wants) */
+} sdr_moment;
+
+typedef struct sdr_observer sdr_observer;
+
+typedef struct {
+  const char *name; /* unique; names the observer's group in a checkpoint */
+
+  /* 1 if the observer wants to be shown this moment; called every step, must be cheap.
+   *wants_balance is set to 1 if it needs energies. NULL: never. */
+  int (*due)(const sdr_observer *observer, const sdr_moment *moment, int *wants_balance);
+
+  /* Look. Called for step 0 too, if due. */
+  sdr_status (*look)(sdr_observer *observer, const sdr_moment *moment);
+
+  /* The run is over (moment->last = 1) : write what is left. NULL: nothing to do. */
+  sdr_status (*finish)(sdr_observer *observer, const sdr_moment *moment);
+
+  /* State that a checkpoint must hold so that a resumed run continues with the same bits; NULL:
+     none. The blocks point into the observer; after they have been overwritten on resume,
+     `resumed` is called (NULL: nothing to do): cut files back to moment->time and go on. */
+  void (*state)(sdr_observer *observer, sdr_state_block *blocks, int *count);
+  sdr_status (*resumed)(sdr_observer *observer, const sdr_moment *moment);
+
+  void (*destroy)(sdr_observer *observer);
+} sdr_observer_ops;
+
+/* The head of every observer; concrete ones have it as their first member. */
+struct sdr_observer {
+  const sdr_observer_ops *ops;
+};
+
+#endif

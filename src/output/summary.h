@@ -1,0 +1,38 @@
+/* summary.json: what a run was and what came out (design sec. 5), written last. */
+#ifndef SDR_OUTPUT_SUMMARY_H
+#define SDR_OUTPUT_SUMMARY_H
+
+#include "output/fragments.h"
+#include "output/ledger.h"
+#include "scene/scene.h"
+
+typedef struct {
+  const char *name;
+  double value; /* NAN: null */
+} sdr_measured;
+
+typedef struct {
+  const sdr_scene *scene;
+  const char *commit;          /* git commit of the build */
+  const char *instruction_set; /* "avx512", "avx2", "baseline" */
+  int threads;
+  int64_t points, bonds, pairs, runs, loose, steps;
+  double step_size, time_end;
+  double wall_setup, wall_integrate, wall_output, wall_total; /* s */
+  double stable_step;                                         /* s */
+  sdr_books books;
+  double onset_time;              /* NAN: never */
+  double damage_max, damage_mean; /* of the points' damage field */
+  int fragments_known;
+  sdr_fragments fragments;
+  const char *const *skipped; /* one line each: what was skipped and why */
+  int skipped_count;
+  const sdr_measured *measured; /* values that the scene's figures may name */
+  int measured_count;
+} sdr_summary;
+
+/* Write DIRECTORY/summary.json by rename. A figure of the scene that nothing measures is
+   SDR_BAD_INPUT. peak_memory_bytes is the process's (getrusage). */
+sdr_status sdr_summary_write(const char *directory, const sdr_summary *summary);
+
+#endif

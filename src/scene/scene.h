@@ -1,0 +1,269 @@
+/* A scene: everything a run needs to know, in SI, read from YAML (docs/scene.md lists each key). */
+#ifndef SDR_SCENE_SCENE_H
+#define SDR_SCENE_SCENE_H
+
+#include "base/status.h"
+#include "scene/expression.h"
+
+#include <stdint.h>
+
+enum { SDR_NAME_MAX = 64 };
+
+typedef enum { SDR_1D, SDR_PLANE_STRESS, SDR_PLANE_STRAIN, SDR_3D } sdr_dimension;
+
+/* Where in the scene's text something stands, for messages that appear after reading:
+   "file:line:column". line 0: not from a file (a default or --set, then `file` says so). */
+typedef struct {
+  const char *file; /* owned by the scene */
+  int line, column;
+} sdr_origin;
+
+/* ---- shapes ---------------------------------------------------------------------------------- */
+
+typedef enum {
+  SDR_BOX,  /* low..high per component (1-D: an interval); faces left right bottom top back front */
+  SDR_DISC, /* centre, outer; 2-D; face rim */
+  SDR_ANNULUS,    /* centre, inner, outer; 2-D; faces inner outer */
+  SDR_SPHERE,     /* centre, outer, inner (0: full); faces inner outer */
+  SDR_CYLINDER,   /* centre, inner (0: full), outer, axis z from low[2] to high[2]; 3-D;
+                     faces inner outer bottom top ends */
+  SDR_HALF_SPACE, /* points with (x - centre).normal <= 0; no face */
+  SDR_POLYGON,    /* 2-D, vertices in order; face rim */
+  SDR_UNION,
+  SDR_INTERSECTION,
+  SDR_DIFFERENCE /* parts[0] without the others */
+} sdr_shape_kind;
+
+typedef struct sdr_shape {
+  sdr_shape_kind kind;
+  double centre[3], low[3], high[3], normal[3]; /* unused components 0 */
+  double inner, outer;
+  double angle; /* box only: turned about its centre by this, anticlockwise in x-y, radians */
+  int part_count;
+  struct sdr_shape *parts; /* of a combination */
+  int vertex_count;
+  double *vertices; /* polygon: x0 y0 x1 y1 ... */
+  sdr_origin origin;
+} sdr_shape;
+
+/* What `on:` or `where:` names: a shape, a region, or a face of one of them. */
+typedef struct {
+  const sdr_shape *shape;  /* NULL: the whole body */
+  char face[16];           /* "" : the volume */
+  char text[SDR_NAME_MAX]; /* as written, for messages ("inner", "notch.left", "box") */
+  sdr_origin origin;
+} sdr_place;
+
+typedef struct {
+  char name[SDR_NAME_MAX];
+  sdr_shape *shape;
+} sdr_region;
+
+/* ---- body ------------------------------------------------------------------------------------ */
+
+/* Halve the spacing `levels` times inside the shape (levels >= 1). */
+typedef struct {
+  sdr_place where;
+  double spacing; /* of the refined part, as asked for; spacing / 2^k */
+} sdr_refine;
+
+/* A length in metres, or a multiple of the spacing or horizon of the point. */
+typedef struct {
+  double value;
+  int relative;
+} sdr_length;
+
+typedef struct {
+  sdr_shape *shape;
+  double spacing; /* m, of the coarsest lattice */
+  double
+      lattice_origin[3]; /* m: a lattice point lies here (default 0 0 0: "a point at the centre") */
+  int cell_centred[3];   /* 1: `origin` is a corner of cells in that component, points sit half a
+                            spacing off (scene key `align: point | cell`) */
+  double angle;          /* lattice axes turned by this about the origin, anticlockwise, radians */
+  double jitter; /* each coordinate moved by uniform noise of +- this share of the spacing */
+  uint64_t jitter_seed;
+  double thickness; /* m: 2-D; in 1-D the area in m^2; default 1 */
+  int refine_count;
+  sdr_refine *refine;
+  char import_file[512]; /* "": none; a CSV or mesh file instead of shape and spacing */
+  sdr_origin origin;
+} sdr_points_scene;
+
+typedef enum { SDR_BOND_BASED, SDR_ORDINARY, SDR_NONORDINARY } sdr_model_kind;
+
+typedef struct {
+  char name[SDR_NAME_MAX]; /* default "body" */
+  sdr_place where;         /* the whole body for the first */
+  double young;            /* Pa */
+  double poisson;          /* as given; NAN if not */
+  double density;          /* kg/m^3 */
+  double toughness;        /* J/m^2; INFINITY if not given (law none) */
+  double scatter_young;    /* relative half width, uniform; 0: none */
+  uint64_t scatter_seed;
+  sdr_origin origin;
+} sdr_material;
+
+typedef enum { SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH } sdr_law;
+typedef enum { SDR_CALIBRATE_FAMILY, SDR_CALIBRATE_PRINTED } sdr_calibration_kind;
+/* Weights of a bond in its family. */
+typedef enum { SDR_WEIGHT_CONSTANT, SDR_WEIGHT_PARTIAL_VOLUME, SDR_WEIGHT_ISO } sdr_weight_kind;
+
+typedef struct {
+  sdr_law law;
+  sdr_length ell; /* relative: multiples of the horizon; default 1 horizon */
+  double onset;   /* damage of a point that counts as onset; NAN: 0.9 of the plane cut's share */
+  int protect_count;
+  sdr_place *protect; /* pairs with an end in one of these never break */
+} sdr_damage_scene;
+
+typedef enum { SDR_CRACK_POLYLINE, SDR_CRACK_DISC, SDR_CRACK_RECTANGLE } sdr_crack_kind;
+
+/* A cut present from the start: every bond that crosses or touches it is cut. */
+typedef struct {
+  sdr_crack_kind kind;
+  int point_count;  /* polyline: >= 2 in 2-D, segments are polylines of two points; 1-D: 1 point */
+  double *vertices; /* 3 a point; disc: [0] centre; rectangle: 3 corners, the fourth is implied */
+  double radius, normal[3]; /* disc */
+  sdr_origin origin;
+} sdr_crack;
+
+/* ---- conditions ------------------------------------------------------------------------------ */
+
+/* When a load or support acts, and how it sets in: value * ramp, ramp from 0 at `from` to 1 at
+   from + ramp (linear), until included. */
+typedef struct {
+  double from, until; /* s; -INFINITY and INFINITY if not given */
+  double ramp;        /* s; 0: at once */
+} sdr_schedule;
+
+typedef enum { SDR_PRESSURE, SDR_TRACTION, SDR_BODY_FORCE, SDR_POINT_FORCE } sdr_load_kind;
+
+typedef struct {
+  sdr_load_kind kind;
+  sdr_place on;             /* pressure, traction: a face; body: a volume */
+  double at[3];             /* point force: its nearest point */
+  sdr_expression *value[3]; /* pressure: [0] only, Pa; traction Pa; body N/m^3; point N; NULL: 0 */
+  int spread_layer;         /* 1: shared equally over the points within one spacing of the piece */
+  sdr_schedule schedule;
+  sdr_origin origin;
+} sdr_load;
+
+typedef enum { SDR_FREE, SDR_PRESCRIBED_DISPLACEMENT, SDR_PRESCRIBED_VELOCITY } sdr_support_kind;
+
+typedef struct {
+  char name[SDR_NAME_MAX];  /* default "support0", ... : names the reaction in history.csv */
+  sdr_place on;             /* volume: its points; face: the points within `depth` of it */
+  sdr_length depth;         /* relative: spacings; default 1 spacing */
+  sdr_support_kind kind[3]; /* per component */
+  sdr_expression *value[3]; /* m or m/s; NULL where free */
+  sdr_schedule schedule;
+  sdr_origin origin;
+} sdr_support;
+
+/* Start values on a place; later entries overwrite earlier ones. */
+typedef struct {
+  int velocity; /* 0: displacement */
+  sdr_place on;
+  sdr_expression *value[3]; /* m or m/s; NULL: leave */
+  sdr_origin origin;
+} sdr_initial;
+
+/* ---- time and output ------------------------------------------------------------------------- */
+
+typedef struct {
+  char integrator[SDR_NAME_MAX]; /* "leapfrog" */
+  double step;                   /* s; NAN: automatic */
+  double safety;                 /* share of the stability limit an automatic step takes; 0.9 */
+  double end;                    /* s */
+  int allow_unstable;            /* 1: a step above the limit only warns */
+  sdr_origin origin, step_origin;
+} sdr_time_scene;
+
+typedef struct {
+  char name[SDR_NAME_MAX]; /* column prefix in history.csv */
+  double at[3];            /* nearest point is taken */
+  int field_count;
+  char field[8][24]; /* "displacement", "velocity", "damage", "stress", ... */
+  sdr_origin origin;
+} sdr_probe;
+
+/* A figure of the problem with its accepted range; the run fills in the value by name. */
+typedef struct {
+  char name[SDR_NAME_MAX];
+  double low, high; /* NAN: open */
+  double paper;     /* NAN: none */
+  sdr_origin origin;
+} sdr_figure;
+
+typedef struct {
+  char directory[512]; /* "" : out/<scene>[-variant] */
+  int snapshots;       /* frames after the first, evenly spaced in time; 0: none at all */
+  int field_count;
+  char field[24][24];      /* what a frame holds */
+  int history_every;       /* steps between rows of history.csv; default chosen as end/200 */
+  double checkpoint_every; /* s of simulated time; INFINITY: none */
+  int probe_count;
+  sdr_probe *probe;
+  int fragments;             /* 1: count them at the end (default with a damage law) */
+  double fragment_threshold; /* pairs with damage below this hold together; 0.5 */
+  int ring;                  /* 1: count through-cracks around ring_centre (an annulus scene) */
+  double ring_centre[3];
+} sdr_output_scene;
+
+typedef struct sdr_scene {
+  char path[512];             /* the file read */
+  char name[SDR_NAME_MAX];    /* folder under problems/ or file name without .yaml */
+  char variant[SDR_NAME_MAX]; /* "" : none */
+  char title[256];
+  sdr_dimension dimension;
+  sdr_points_scene points;
+  sdr_expression *horizon; /* of x y z; multiples of the spacing if horizon_relative, else m */
+  int horizon_relative;
+  sdr_origin horizon_origin;
+  sdr_weight_kind weight;           /* key `family: {weight: ...}` */
+  sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
+  sdr_model_kind model;
+  int material_count; /* >= 1 */
+  sdr_material *material;
+  sdr_damage_scene damage;
+  int region_count;
+  sdr_region *region;
+  int crack_count;
+  sdr_crack *crack;
+  int initial_count;
+  sdr_initial *initial;
+  int load_count;
+  sdr_load *load;
+  int support_count;
+  sdr_support *support;
+  sdr_time_scene time;
+  sdr_output_scene output;
+  int figure_count;
+  sdr_figure *figure;
+  int threads;     /* 0: all */
+  int mixed;       /* precision: mixed */
+  uint64_t hash;   /* FNV-1a over every key that affects the state, canonically written */
+  char *used_yaml; /* the scene with every default filled in, as YAML text */
+  int default_count;
+  char **defaults; /* "damage.ell = 1 horizon": what was defaulted, for `check` */
+} sdr_scene;
+
+/* Read `path` (a file), merge `variant` (NULL or "": none) and then the `set_count` overrides
+   "path=value" of --set into it, and check every key. SDR_BAD_INPUT: the message holds up to 20
+   lines "file:line:column: what, allowed, how to mend". SDR_IO_ERROR: the file cannot be read.
+   The caller destroys *out; it is written only on success. */
+sdr_status sdr_scene_load(const char *path, const char *variant, int set_count,
+                          const char *const *sets, sdr_scene **out);
+void sdr_scene_destroy(sdr_scene **scene); /* NULL-safe */
+
+/* "file:line:column" of an origin, in a static thread-local buffer (valid until the 4th next call).
+ */
+const char *sdr_origin_text(sdr_origin origin);
+
+static inline int sdr_components(sdr_dimension dimension)
+{
+  return dimension == SDR_1D ? 1 : dimension == SDR_3D ? 3 : 2;
+}
+
+#endif
