@@ -4,6 +4,7 @@
 
 #include "base/status.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* Consecutive points of one lattice row: first .. first + length - 1, at the lattice coordinates
@@ -47,6 +48,9 @@ typedef struct {
    sdr_points_arrange. Owner: the caller, who destroys. */
 sdr_status sdr_points_create(int32_t count, int components, int lattice, sdr_points **out);
 void sdr_points_destroy(sdr_points **points); /* NULL-safe */
+
+/* Elements that an array over the points must hold: owned and ghosts, padded with whole lanes. */
+size_t sdr_points_padded(const sdr_points *points);
 
 /* Bring the points into storage order (lattices: rows within slabs, else along a space-filling
    curve), set `generated`, rows and stripes. Needs x and horizon, and cell on a lattice. */
