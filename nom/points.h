@@ -26,6 +26,7 @@ typedef struct {
   double *horizon; /* m */
   uint8_t *material;
   uint8_t *level;     /* refinement level, 0 coarsest; NULL: all 0 */
+  int irregular;      /* 1: positions lie on no lattice of their own spacing (jittered, imported) */
   int32_t *generated; /* index in the order of generation; NULL: the same order. Random numbers are
                          drawn in that order, so that they do not depend on the storage order */
 

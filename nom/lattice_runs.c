@@ -1,0 +1,214 @@
+#include "nom/lattice_runs.h"
+
+#include "base/memory.h"
+#include "nom/stencil.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rows sorted by the lattice line they lie on, to find a row's partners. */
+typedef struct {
+  const sdr_points *points;
+  int across[2]; /* the two axes across the rows */
+  const sdr_row **sorted;
+  int32_t *stripe; /* of each row, by its index in points->rows */
+} row_index;
+
+static int compare_line(const sdr_row *row, const int32_t line[2], const int across[2])
+{
+  for (int a = 1; a >= 0; --a)
+    if (row->cell[across[a]] != line[a]) return row->cell[across[a]] < line[a] ? -1 : 1;
+  return 0;
+}
+
+/* By line, then along it; `context` is the row_index. */
+static int by_line(const void *left, const void *right, void *context)
+{
+  const row_index *index = context;
+  const sdr_row *a = *(const sdr_row *const *)left, *b = *(const sdr_row *const *)right;
+  const int32_t line[2] = {b->cell[index->across[0]], b->cell[index->across[1]]};
+  const int order = compare_line(a, line, index->across);
+  const int axis = index->points->row_axis;
+  return order != 0 ? order : a->cell[axis] < b->cell[axis] ? -1 : a->cell[axis] > b->cell[axis];
+}
+
+static sdr_status index_rows(const sdr_points *points, row_index *index)
+{
+  static const int across[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+  const size_t count = (size_t)points->row_count;
+  index->points = points;
+  memcpy(index->across, across[points->row_axis], sizeof index->across);
+  index->sorted = sdr_alloc(count, sizeof *index->sorted);
+  index->stripe = sdr_alloc(count, sizeof *index->stripe);
+  if (!index->sorted || !index->stripe) return SDR_RUN_FAILED;
+  int32_t stripe = 0;
+  for (int r = 0; r < points->row_count; ++r) {
+    index->sorted[r] = &points->rows[r];
+    while (points->rows[r].first >= points->stripe_first[stripe + 1]) ++stripe;
+    index->stripe[r] = stripe;
+  }
+  qsort_r(index->sorted, count, sizeof *index->sorted, by_line, index);
+  return SDR_OK;
+}
+
+/* First sorted row on the line that ends at or after `start`; row_count if none. */
+static int find_partner(const row_index *index, const int32_t line[2], int32_t start)
+{
+  const int axis = index->points->row_axis;
+  int low = 0, high = index->points->row_count;
+  while (low < high) {
+    const int middle = low + (high - low) / 2;
+    const sdr_row *row = index->sorted[middle];
+    const int order = compare_line(row, line, index->across);
+    if (order < 0 || (order == 0 && row->cell[axis] + row->length - 1 < start))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+typedef struct {
+  const row_index *index;
+  sdr_bonds *bonds;
+  int64_t *cursor; /* next free run of each stripe; NULL while counting into stripe_run[s + 1] */
+} run_builder;
+
+static void add_run(run_builder *build, int class_index, const sdr_row *row, const sdr_row *partner,
+                    int32_t from, int32_t length, int32_t shift)
+{
+  const row_index *index = build->index;
+  const sdr_row *rows = index->points->rows;
+  const int32_t si = index->stripe[row - rows], sj = index->stripe[partner - rows];
+  const int32_t owner = si < sj ? si : sj;
+  if (!build->cursor) {
+    ++build->bonds->stripe_run[owner + 1];
+    build->bonds->pairs += length;
+    return;
+  }
+  const int axis = index->points->row_axis;
+  build->bonds->runs[build->cursor[owner]++] =
+      (sdr_run){.class_index = class_index,
+                .i0 = row->first + (from - row->cell[axis]),
+                .j0 = partner->first + (from + shift - partner->cell[axis]),
+                .length = length};
+}
+
+/* All runs of one row in one class. */
+static void runs_of_row(run_builder *build, int class_index, const int32_t step[3],
+                        const sdr_row *row)
+{
+  const row_index *index = build->index;
+  const int axis = index->points->row_axis;
+  const int32_t line[2] = {row->cell[index->across[0]] + step[index->across[0]],
+                           row->cell[index->across[1]] + step[index->across[1]]};
+  const int32_t start = row->cell[axis], end = start + row->length, shift = step[axis];
+  for (int p = find_partner(index, line, start + shift); p < index->points->row_count; ++p) {
+    const sdr_row *partner = index->sorted[p];
+    if (compare_line(partner, line, index->across) != 0) break;
+    const int32_t partner_start = partner->cell[axis] - shift;
+    const int32_t partner_end = partner_start + partner->length;
+    if (partner_start >= end) break;
+    const int32_t from = start > partner_start ? start : partner_start;
+    const int32_t to = end < partner_end ? end : partner_end;
+    add_run(build, class_index, row, partner, from, to - from, shift);
+  }
+}
+
+static void each_row_and_class(run_builder *build, const sdr_stencil *stencil)
+{
+  const sdr_points *points = build->index->points;
+  const int first = stencil->count / 2; /* the half that is lexicographically positive */
+  for (int r = 0; r < points->row_count; ++r)
+    for (int c = first; c < stencil->count; ++c)
+      runs_of_row(build, c - first, stencil->step + 3 * c, &points->rows[r]);
+}
+
+static sdr_status make_classes(const sdr_points *points, const sdr_stencil *stencil,
+                               sdr_bonds *bonds)
+{
+  const int first = stencil->count / 2;
+  bonds->class_count = stencil->count - first;
+  bonds->classes = sdr_alloc((size_t)bonds->class_count, sizeof *bonds->classes);
+  if (!bonds->classes) return SDR_RUN_FAILED;
+  for (int c = 0; c < bonds->class_count; ++c) {
+    const int32_t *step = stencil->step + 3 * (first + c);
+    sdr_bond_class *class = &bonds->classes[c];
+    double square = 0.0;
+    for (int a = 0; a < 3; ++a) {
+      square += (double)step[a] * step[a];
+      for (int b = 0; b < points->components; ++b)
+        class->xi[b] += points->lattice_spacing * step[a] * points->axes[a][b];
+    }
+    class->length = points->lattice_spacing * sqrt(square);
+  }
+  return SDR_OK;
+}
+
+/* The weights of each class, asked of any of its pairs. */
+static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds)
+{
+  char *done = sdr_alloc((size_t)bonds->class_count, 1);
+  for (int64_t r = 0; r < bonds->run_count; ++r) {
+    const sdr_run *run = &bonds->runs[r];
+    sdr_bond_class *class = &bonds->classes[run->class_index];
+    if (done && done[run->class_index]) continue;
+    if (done) done[run->class_index] = 1;
+    const double volumes = points->volume[run->i0] * points->volume[run->j0];
+    const double back[3] = {-class->xi[0], -class->xi[1], -class->xi[2]};
+    const double b_ij = how->weight ? how->weight(how->context, run->i0, run->j0, class->xi) : 1.0;
+    const double b_ji = how->weight ? how->weight(how->context, run->j0, run->i0, back) : 1.0;
+    class->weight_ij = volumes * b_ij;
+    class->weight_ji = volumes * b_ji;
+  }
+  sdr_free(done);
+}
+
+/* Slots of a run start on a multiple of 4, so that few vectors of history cross a cache line. */
+static void number_slots(sdr_bonds *bonds)
+{
+  int64_t slot = 0;
+  for (int64_t r = 0; r < bonds->run_count; ++r) {
+    bonds->runs[r].slot = slot;
+    slot += (bonds->runs[r].length + 3) / 4 * 4;
+  }
+  bonds->run_slots = slot;
+}
+
+static sdr_status place_runs(run_builder *build, const sdr_stencil *stencil)
+{
+  sdr_bonds *bonds = build->bonds;
+  const int stripes = build->index->points->stripe_count;
+  each_row_and_class(build, stencil); /* counts */
+  for (int s = 0; s < stripes; ++s) bonds->stripe_run[s + 1] += bonds->stripe_run[s];
+  bonds->run_count = bonds->stripe_run[stripes];
+  bonds->runs = sdr_alloc((size_t)bonds->run_count, sizeof *bonds->runs);
+  build->cursor = sdr_alloc((size_t)stripes, sizeof *build->cursor);
+  if (!bonds->runs || !build->cursor) return SDR_RUN_FAILED;
+  memcpy(build->cursor, bonds->stripe_run, (size_t)stripes * sizeof *build->cursor);
+  each_row_and_class(build, stencil);
+  bonds->directed = 2 * bonds->pairs;
+  return SDR_OK;
+}
+
+sdr_status sdr_lattice_runs(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds)
+{
+  sdr_stencil stencil = {0};
+  row_index index = {0};
+  run_builder build = {&index, bonds, NULL};
+  sdr_status status =
+      sdr_stencil_create(points->components, points->lattice_spacing, points->horizon[0], &stencil);
+  if (status == SDR_OK) status = index_rows(points, &index);
+  if (status == SDR_OK) status = make_classes(points, &stencil, bonds);
+  if (status == SDR_OK) status = place_runs(&build, &stencil);
+  if (status == SDR_OK) {
+    weigh_classes(points, how, bonds);
+    number_slots(bonds);
+  }
+  sdr_free(build.cursor);
+  sdr_free(index.sorted);
+  sdr_free(index.stripe);
+  sdr_stencil_destroy(&stencil);
+  return status;
+}
