@@ -1,34 +1,27 @@
-/* Points in shapes, and faces of shapes cut into pieces. */
+/* Which places a shape holds (design sec. 4: shapes are closed). */
 #ifndef SDR_GEOMETRY_SHAPE_H
 #define SDR_GEOMETRY_SHAPE_H
 
-#include "nom/points.h"
 #include "scene/scene.h"
 
-/* 1 if x lies in the shape or within `tolerance` (m) of it (shapes are closed). shape NULL: 1. */
+/* Shapes are closed with this tolerance, as a share of the spacing; distances that are meant to
+   include a point of the lattice likewise. */
+#define SDR_SHAPE_TOLERANCE 1e-9
+
+/* 1 if x[3] (m) lies in the shape grown by `tolerance` (m; negative: shrunk). A difference keeps
+   the boundary of what it takes away. shape NULL: 1. Two-dimensional shapes do not look at z. */
 int sdr_shape_contains(const sdr_shape *shape, const double x[3], double tolerance);
 
-/* Smallest box around the shape: low[3], high[3]; unbounded sides are +-INFINITY. */
+/* A box around the shape, the smallest one for a primitive: low[3], high[3] in m; unbounded sides
+   are +-INFINITY, an empty intersection has low > high. shape NULL: unbounded. */
 void sdr_shape_bounds(const sdr_shape *shape, double low[3], double high[3]);
 
-/* 1 if the shape (or, for a combination, exactly one primitive of it) has a face of that name. */
-int sdr_shape_has_face(const sdr_shape *shape, const char *face);
+/* Turn a place between space and the axes of a box, about the box's middle; the same place for
+   other boxes. Both arrays have 3 entries and may be one. */
+void sdr_box_to_space(const sdr_shape *box, const double local[3], double x[3]);
+void sdr_box_to_local(const sdr_shape *box, const double x[3], double local[3]);
 
-/* A piece of a face: its middle, its outward unit normal (out of the shape) and its measure
-   (m in 2-D, m^2 in 3-D, 1 in 1-D). */
-typedef struct {
-  double x[3], normal[3], measure;
-} sdr_piece;
-
-typedef void (*sdr_piece_visitor)(void *context, const sdr_piece *piece);
-
-/* Cut `face` of the shape into pieces no longer than `size` and visit each. The measures add up to
-   the exact measure of the face, and equal pieces come in symmetric positions. */
-sdr_status sdr_face_pieces(const sdr_shape *shape, const char *face, sdr_dimension dimension,
-                           double size, sdr_piece_visitor visit, void *context);
-
-/* Distance of x from a face, m (from its bounded extent). */
-double sdr_face_distance(const sdr_shape *shape, const char *face, sdr_dimension dimension,
-                         const double x[3]);
+/* Distance of (x, y) from the segment a-b in the plane, m. */
+double sdr_segment_distance(const double a[2], const double b[2], const double x[2]);
 
 #endif
