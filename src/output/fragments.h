@@ -5,19 +5,18 @@
 
 #include "mechanics/system.h"
 
-/* component: points->count numbers, pieces numbered 0.. by falling size (ties: lowest point first).
- *count: how many; *largest: points in the largest; *single: pieces of one point only. */
+/* count: how many pieces; largest: points in the largest; single: pieces of one point only. */
 typedef struct {
   int32_t count, largest, single;
 } sdr_fragments;
 
+/* piece: points->count numbers out, or NULL; pieces are numbered 0.. by falling size, equal ones by
+   their lowest point. A pair with damage >= threshold holds nothing together. */
 sdr_status sdr_fragments_find(sdr_system *system, double threshold, int32_t *piece,
                               sdr_fragments *out);
 
-/* Through-cracks of a ring around centre[3]: radial cracks that cut it from the inner to the outer
-   surface, counted as the number of ring sectors that are separate pieces reaching both surfaces
-   (within two spacings), or 1 if the ring is cut once and still one piece; see the .c file for the
-   rule. */
+/* Through-cracks of a ring around centre[3] (in x-y; a tube's axis is z): how many cracks cut it
+   from the inner to the outer surface. fragments.c has the rule. 0 in 1-D. */
 sdr_status sdr_through_cracks(sdr_system *system, double threshold, const double centre[3],
                               int32_t *count);
 

@@ -4,21 +4,25 @@
 
 #include "output/observer.h"
 
-typedef struct sdr_ledger sdr_ledger; /* is an sdr_observer */
-
-/* history.csv in the directory (design sec. 5): time,kinetic,stored,dissipated,viscous,contact,
-   refinement,external_work,imbalance,max_damage,broken_bonds, then per probe and support the
-   columns NAME.field[.x|.y|.z] and NAME.reaction.x ...; 17 digits; a row every
-   scene->output.history_every steps, the first at t = 0, the last at the end. Flushed per row. */
+/* history.csv in the moment's directory (design sec. 5): time,kinetic,stored,dissipated,viscous,
+   contact,refinement,external_work,imbalance,max_damage,broken_bonds, then the columns of probes
+   (NAME.field[.x]) and supports (NAME.reaction.x); 17 digits; a row every
+   scene->output.history_every steps (0: 200 rows over the run), the first at t = 0, the last at the
+   end. Each row is on the disk when the look is over. viscous, contact and refinement are 0: no
+   model has them yet. On resume rows after the checkpoint are cut. Borrows the scene. Owner: the
+   caller. */
 sdr_status sdr_ledger_create(const sdr_scene *scene, const sdr_points *points, sdr_observer **out);
 
-/* The books so far, for the summary and the progress bar. */
+/* The books of the latest row, for the summary and the progress bar; E = kinetic + stored +
+   dissipated. All largest values run over the rows. */
 typedef struct {
-  double kinetic, stored, dissipated, external_work;
-  double imbalance;          /* E - E(0) - W now */
-  double imbalance_relative; /* over the largest energy (kinetic + stored + dissipated) so far */
-  double imbalance_largest;  /* running maximum of |imbalance| / largest energy so far */
-  double linear_residual, angular_residual; /* momentum minus impulse minus start, over its scale */
+  double kinetic, stored, dissipated, external_work; /* J */
+  double imbalance;                                  /* J: E - E(0) - external work */
+  double imbalance_relative;                         /* over the largest E so far; 0 if that is 0 */
+  double imbalance_largest;                          /* running maximum of |imbalance_relative| */
+  /* |momentum - its start - impulse| over the largest sum m|v| so far; likewise about the origin
+     over sum m|x||v|; 0 if the scale is 0 */
+  double linear_residual, angular_residual;
   double max_damage;
   int64_t broken;
 } sdr_books;

@@ -4,14 +4,24 @@
 
 #include "base/status.h"
 
-/* Make `directory` (with parents) ready for a new run (resume = 0): a finished or dead run's files
-   of ours (the names of design sec. 5) are removed, files of others are left; or for a resumed one
-   (files kept). Locked by a live process: SDR_BAD_INPUT naming its pid. Not writable: SDR_IO_ERROR.
-   The lock is the file DIRECTORY/.lock held by flock; *lock is its descriptor. */
+/* Make `directory` (with parents) and lock it for this process. For a new run (resume = 0) what an
+   earlier run left there under our names (design sec. 5, pictures of `plot` too) is removed, files
+   of others stay; for a resumed one everything stays. Held by a live process: SDR_BAD_INPUT with
+   its pid, nothing touched. Cannot be made or written: SDR_IO_ERROR.
+   The lock is DIRECTORY/.lock held by flock, so a dead process holds nothing; *lock is its
+   descriptor, given back by sdr_rundir_close (which takes lock < 0 as nothing to do). */
 sdr_status sdr_rundir_open(const char *directory, int resume, int *lock);
 void sdr_rundir_close(const char *directory, int lock);
 
-/* Write `text` to DIRECTORY/name: temporary name, fsync, rename. */
+/* Remove what says that a run is complete (summary.json, pictures): a finished run goes on. */
+sdr_status sdr_rundir_reopen(const char *directory);
+
+/* Write `text` to DIRECTORY/name: temporary name, fsync, rename; on failure (SDR_IO_ERROR) the old
+   file is as it was and nothing new is left. */
 sdr_status sdr_rundir_write(const char *directory, const char *name, const char *text);
+
+/* Bring the finished file `temporary` to the disk and rename it to `path`; on failure
+   (SDR_IO_ERROR) `temporary` is removed. */
+sdr_status sdr_rundir_settle(const char *temporary, const char *path);
 
 #endif

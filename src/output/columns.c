@@ -1,0 +1,153 @@
+#include "output/columns.h"
+
+#include "base/memory.h"
+#include "output/fields.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* One column: component `part` of a field at a point, or (support >= 0) of the reaction summed over
+   a support. */
+typedef struct {
+  char name[2 * SDR_NAME_MAX];
+  const sdr_field_info *field;
+  int part, support;
+  int32_t point;
+} column;
+
+struct sdr_columns {
+  int count, room;
+  column *columns;
+  int components;
+  double *field; /* scratch: the widest field, component-major; NULL without columns */
+};
+
+static sdr_status add(sdr_columns *columns, const column *added)
+{
+  if (columns->count == columns->room) {
+    const int room = 2 * columns->room + 8;
+    column *grown = sdr_realloc(columns->columns, (size_t)room, sizeof *grown);
+    if (!grown) return SDR_RUN_FAILED;
+    columns->columns = grown;
+    columns->room = room;
+  }
+  columns->columns[columns->count++] = *added;
+  return SDR_OK;
+}
+
+static sdr_status add_named(sdr_columns *columns, const char *prefix, column added)
+{
+  const char *part = sdr_field_part(added.field, columns->components, added.part);
+  snprintf(added.name, sizeof added.name, "%s.%s%s%s", prefix, added.field->name, *part ? "." : "",
+           part);
+  return add(columns, &added);
+}
+
+static sdr_status add_probe(sdr_columns *columns, const sdr_probe *probe, const sdr_points *points)
+{
+  const int32_t point = sdr_points_nearest(points, probe->at);
+  for (int f = 0; f < probe->field_count; ++f) {
+    const sdr_field_info *field = sdr_field_find(probe->field[f]);
+    if (!field || strcmp(field->name, "fragment") == 0)
+      return sdr_fail(SDR_BAD_INPUT, "%s: probe %s cannot show '%s'; name another field",
+                      sdr_origin_text(probe->origin), probe->name, probe->field[f]);
+    for (int k = 0; k < sdr_field_width(field, columns->components); ++k)
+      SDR_TRY(add_named(columns, probe->name,
+                        (column){.field = field, .part = k, .support = -1, .point = point}));
+  }
+  return SDR_OK;
+}
+
+static sdr_status add_reactions(sdr_columns *columns, const sdr_scene *scene)
+{
+  const sdr_field_info *reaction = sdr_field_find("reaction");
+  for (int s = 0; s < scene->support_count; ++s)
+    for (int c = 0; c < columns->components; ++c)
+      if (scene->support[s].kind[c] != SDR_FREE)
+        SDR_TRY(add_named(columns, scene->support[s].name,
+                          (column){.field = reaction, .part = c, .support = s}));
+  return SDR_OK;
+}
+
+static sdr_status add_all(sdr_columns *columns, const sdr_scene *scene, const sdr_points *points)
+{
+  int widest = 0;
+  for (int p = 0; p < scene->output.probe_count; ++p)
+    SDR_TRY(add_probe(columns, &scene->output.probe[p], points));
+  SDR_TRY(add_reactions(columns, scene));
+  for (int k = 0; k < columns->count; ++k) {
+    const int width = sdr_field_width(columns->columns[k].field, columns->components);
+    if (width > widest) widest = width;
+  }
+  if (widest == 0) return SDR_OK;
+  columns->field = sdr_alloc((size_t)points->count * (size_t)widest, sizeof(double));
+  return columns->field ? SDR_OK : SDR_RUN_FAILED;
+}
+
+sdr_status sdr_columns_create(const sdr_scene *scene, const sdr_points *points, sdr_columns **out)
+{
+  sdr_columns *columns = sdr_alloc(1, sizeof *columns);
+  if (!columns) return SDR_RUN_FAILED;
+  columns->components = points->components;
+  const sdr_status status = add_all(columns, scene, points);
+  if (status == SDR_OK)
+    *out = columns;
+  else
+    sdr_columns_destroy(&columns);
+  return status;
+}
+
+void sdr_columns_destroy(sdr_columns **columns)
+{
+  if (!*columns) return;
+  sdr_free((*columns)->columns);
+  sdr_free((*columns)->field);
+  sdr_free(*columns);
+  *columns = NULL;
+}
+
+int sdr_columns_count(const sdr_columns *columns)
+{
+  return columns->count;
+}
+
+const char *sdr_columns_name(const sdr_columns *columns, int k)
+{
+  return columns->columns[k].name;
+}
+
+static double sum_reaction(const sdr_columns *columns, const column *c, const sdr_system *system)
+{
+  const int32_t count = sdr_supports_count(system->supports);
+  const sdr_prescribed *list = sdr_supports_list(system->supports);
+  const double *reaction = columns->field + (size_t)c->part * (size_t)system->count;
+  double sum = 0.0;
+  for (int32_t k = 0; k < count; ++k)
+    if (list[k].support == c->support && list[k].component == c->part)
+      sum += reaction[list[k].point];
+  return sum;
+}
+
+static int shown_before(const sdr_columns *columns, int k)
+{
+  for (int earlier = 0; earlier < k; ++earlier)
+    if (columns->columns[earlier].field == columns->columns[k].field) return 1;
+  return 0;
+}
+
+sdr_status sdr_columns_values(sdr_columns *columns, sdr_system *system, double *values)
+{
+  for (int k = 0; k < columns->count; ++k) {
+    const sdr_field_info *field = columns->columns[k].field;
+    if (shown_before(columns, k)) continue;
+    SDR_TRY(sdr_system_field(system, field->name, columns->field));
+    for (int j = k; j < columns->count; ++j) {
+      const column *c = &columns->columns[j];
+      if (c->field != field) continue;
+      values[j] = c->support >= 0
+                      ? sum_reaction(columns, c, system)
+                      : columns->field[(size_t)c->part * (size_t)system->count + (size_t)c->point];
+    }
+  }
+  return SDR_OK;
+}
