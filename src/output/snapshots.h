@@ -4,11 +4,14 @@
 
 #include "output/observer.h"
 
-/* Frames at t = 0 and at scene->output.snapshots evenly spaced times up to the end, nearest step.
-   Groups /frame_0000/{FIELD..., time} (fields float, N or N x components, `time` written last),
-   /points/{index int32, position, volume, horizon} once (positions N x 3, z = 0 in 2-D). H5Fflush
-   after each frame; the .xdmf is rewritten by rename and lists flushed frames only.
-   Points are written in the generated order when that differs from storage. */
+/* Frames at t = 0 and at the steps nearest to scene->output.snapshots evenly spaced times up to the
+   end (0: no file at all). snapshots.h5 holds
+     /points/{index int32 N, position double N x 3 (z = 0 in 2-D), volume, horizon, spacing}, once;
+     /frame_0000/{FIELD float N or N x components, time double}, SI, units in the attribute "unit";
+   `time` is written last and the file flushed after each frame, so a frame without it is torn; the
+   .xdmf is rewritten by rename and lists flushed frames only. Points stand in the order of
+   generation. On resume frames after the checkpoint are removed. A field nobody knows is
+   SDR_BAD_INPUT. Borrows scene and points. Owner: the caller. */
 sdr_status sdr_snapshots_create(const sdr_scene *scene, const char *directory,
                                 const sdr_points *points, sdr_observer **out);
 

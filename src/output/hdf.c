@@ -1,4 +1,4 @@
-#include "output/store.h"
+#include "output/hdf.h"
 
 #include "base/memory.h"
 
@@ -7,10 +7,12 @@
 #include <hdf5.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-struct sdr_store {
-  hid_t file;
+struct sdr_hdf {
+  hid_t id;
   char *path;
 };
 
@@ -44,10 +46,10 @@ static sdr_status fail_write(const char *path)
   return sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", path, reason_of_failure(reason));
 }
 
-static sdr_status fail_read(const sdr_store *store, const char *name)
+static sdr_status fail_read(const sdr_hdf *file, const char *name)
 {
   char reason[128];
-  return sdr_fail(SDR_BAD_INPUT, "%s: %s cannot be read: %s", store->path, name,
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s cannot be read: %s", file->path, name,
                   reason_of_failure(reason));
 }
 
@@ -68,32 +70,32 @@ static hid_t access_list(void)
   return list;
 }
 
-static sdr_status wrap(const char *path, hid_t file, sdr_store **out)
+static sdr_status wrap(const char *path, hid_t id, sdr_hdf **out)
 {
-  sdr_store *store = sdr_alloc(1, sizeof *store);
-  char *copy = store ? sdr_strdup(path) : NULL;
+  sdr_hdf *file = sdr_alloc(1, sizeof *file);
+  char *copy = file ? sdr_strdup(path) : NULL;
   if (!copy) {
-    sdr_free(store);
-    H5Fclose(file);
+    sdr_free(file);
+    H5Fclose(id);
     return SDR_RUN_FAILED;
   }
-  store->file = file;
-  store->path = copy;
-  *out = store;
+  file->id = id;
+  file->path = copy;
+  *out = file;
   return SDR_OK;
 }
 
-sdr_status sdr_store_create(const char *path, sdr_store **out)
+sdr_status sdr_hdf_create(const char *path, sdr_hdf **out)
 {
   quieten();
   const hid_t access = access_list();
-  const hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  const hid_t id = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
   H5Pclose(access);
-  if (file < 0) return fail_write(path);
-  return wrap(path, file, out);
+  if (id < 0) return fail_write(path);
+  return wrap(path, id, out);
 }
 
-sdr_status sdr_store_open(const char *path, int writable, sdr_store **out)
+sdr_status sdr_hdf_open(const char *path, int writable, sdr_hdf **out)
 {
   quieten();
   const int probe = open(path, (writable ? O_RDWR : O_RDONLY) | O_CLOEXEC);
@@ -102,44 +104,68 @@ sdr_status sdr_store_open(const char *path, int writable, sdr_store **out)
                     strerror(errno));
   close(probe);
   const hid_t access = access_list();
-  const hid_t file = H5Fopen(path, writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
+  const hid_t id = H5Fopen(path, writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
   H5Pclose(access);
-  if (file < 0) {
+  if (id < 0) {
     char reason[128];
     return sdr_fail(SDR_BAD_INPUT, "%s is not a whole HDF5 file: %s", path,
                     reason_of_failure(reason));
   }
-  return wrap(path, file, out);
+  return wrap(path, id, out);
 }
 
-sdr_status sdr_store_flush(sdr_store *store)
+sdr_status sdr_hdf_flush(sdr_hdf *file)
 {
-  return H5Fflush(store->file, H5F_SCOPE_LOCAL) < 0 ? fail_write(store->path) : SDR_OK;
+  return H5Fflush(file->id, H5F_SCOPE_LOCAL) < 0 ? fail_write(file->path) : SDR_OK;
 }
 
-sdr_status sdr_store_close(sdr_store **store)
+/* 0, or the errno of what stands against `bytes` more in the file. */
+static int lacks_room(const char *path, size_t bytes)
 {
-  sdr_store *s = *store;
-  if (!s) return SDR_OK;
-  const sdr_status status = H5Fclose(s->file) < 0 ? fail_write(s->path) : SDR_OK;
-  sdr_free(s->path);
-  sdr_free(s);
-  *store = NULL;
+  struct stat status;
+  struct rlimit limit;
+  const int file = open(path, O_WRONLY | O_CLOEXEC);
+  if (file < 0) return errno;
+  int failed = fstat(file, &status) == 0 ? 0 : errno;
+  if (!failed && getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+      (rlim_t)status.st_size + bytes > limit.rlim_cur)
+    failed = EFBIG;
+  if (!failed && fallocate(file, FALLOC_FL_KEEP_SIZE, status.st_size, (off_t)bytes) != 0)
+    failed = errno;
+  close(file);
+  return failed == EOPNOTSUPP || failed == ENOSYS ? 0 : failed;
+}
+
+sdr_status sdr_hdf_reserve(sdr_hdf *file, size_t bytes)
+{
+  const int failed = lacks_room(file->path, bytes);
+  if (!failed) return SDR_OK;
+  return sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", file->path, strerror(failed));
+}
+
+sdr_status sdr_hdf_close(sdr_hdf **file)
+{
+  sdr_hdf *f = *file;
+  if (!f) return SDR_OK;
+  const sdr_status status = H5Fclose(f->id) < 0 ? fail_write(f->path) : SDR_OK;
+  sdr_free(f->path);
+  sdr_free(f);
+  *file = NULL;
   return status;
 }
 
-static hid_t type_of(sdr_store_type type)
+static hid_t type_of(sdr_hdf_type type)
 {
   switch (type) {
-  case SDR_STORE_FLOAT:
+  case SDR_HDF_FLOAT:
     return H5T_NATIVE_FLOAT;
-  case SDR_STORE_DOUBLE:
+  case SDR_HDF_DOUBLE:
     return H5T_NATIVE_DOUBLE;
-  case SDR_STORE_INT32:
+  case SDR_HDF_INT32:
     return H5T_NATIVE_INT32;
-  case SDR_STORE_INT64:
+  case SDR_HDF_INT64:
     return H5T_NATIVE_INT64;
-  case SDR_STORE_BYTES:
+  case SDR_HDF_BYTES:
     return H5T_NATIVE_UINT8;
   }
   return H5I_INVALID_HID;
@@ -169,63 +195,63 @@ static hid_t make_dataset(hid_t file, const char *name, hid_t type, hid_t space)
   return dataset;
 }
 
-static sdr_status write_dataset(sdr_store *store, const char *name, hid_t type, hid_t space,
+static sdr_status write_dataset(sdr_hdf *file, const char *name, hid_t type, hid_t space,
                                 const void *data, const char *unit)
 {
-  const hid_t dataset = make_dataset(store->file, name, type, space);
+  const hid_t dataset = make_dataset(file->id, name, type, space);
   herr_t result = dataset < 0 ? -1 : H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
   if (result >= 0 && unit) result = write_attribute(dataset, "unit", unit);
-  const sdr_status status = result < 0 ? fail_write(store->path) : SDR_OK;
-  if (dataset >= 0 && H5Dclose(dataset) < 0 && status == SDR_OK) return fail_write(store->path);
+  const sdr_status status = result < 0 ? fail_write(file->path) : SDR_OK;
+  if (dataset >= 0 && H5Dclose(dataset) < 0 && status == SDR_OK) return fail_write(file->path);
   return status;
 }
 
-sdr_status sdr_store_write(sdr_store *store, const char *name, sdr_store_shape shape,
-                           const void *data, const char *unit)
+sdr_status sdr_hdf_write(sdr_hdf *file, const char *name, sdr_hdf_shape shape, const void *data,
+                         const char *unit)
 {
   const hsize_t sizes[2] = {shape.rows, shape.columns};
   const hid_t space =
       shape.rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(shape.rank, sizes, NULL);
-  if (space < 0) return fail_write(store->path);
-  const sdr_status status = write_dataset(store, name, type_of(shape.type), space, data, unit);
+  if (space < 0) return fail_write(file->path);
+  const sdr_status status = write_dataset(file, name, type_of(shape.type), space, data, unit);
   H5Sclose(space);
   return status;
 }
 
-sdr_status sdr_store_write_text(sdr_store *store, const char *name, const char *text)
+sdr_status sdr_hdf_write_text(sdr_hdf *file, const char *name, const char *text)
 {
   const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
   H5Tset_size(type, strlen(text) + 1);
-  const sdr_status status = write_dataset(store, name, type, space, text, NULL);
+  const sdr_status status = write_dataset(file, name, type, space, text, NULL);
   H5Sclose(space);
   H5Tclose(type);
   return status;
 }
 
-int sdr_store_has(sdr_store *store, const char *name)
+int sdr_hdf_has(sdr_hdf *file, const char *name)
 {
   char part[256];
   snprintf(part, sizeof part, "%s", name);
   for (char *slash = strchr(part + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
     *slash = '\0';
-    if (H5Lexists(store->file, part, H5P_DEFAULT) <= 0) return 0;
+    if (H5Lexists(file->id, part, H5P_DEFAULT) <= 0) return 0;
     *slash = '/';
   }
-  return H5Lexists(store->file, part, H5P_DEFAULT) > 0;
+  return H5Lexists(file->id, part, H5P_DEFAULT) > 0;
 }
 
-static sdr_store_type type_in_file(hid_t dataset)
+static sdr_hdf_type type_in_file(hid_t dataset)
 {
   const hid_t type = H5Dget_type(dataset);
   const size_t bytes = H5Tget_size(type);
   const int real = H5Tget_class(type) == H5T_FLOAT;
   H5Tclose(type);
-  if (real) return bytes == sizeof(float) ? SDR_STORE_FLOAT : SDR_STORE_DOUBLE;
-  return bytes == 4 ? SDR_STORE_INT32 : bytes == 8 ? SDR_STORE_INT64 : SDR_STORE_BYTES;
+  if (real) return bytes == sizeof(float) ? SDR_HDF_FLOAT : SDR_HDF_DOUBLE;
+  return bytes == 4 ? SDR_HDF_INT32 : bytes == 8 ? SDR_HDF_INT64 : SDR_HDF_BYTES;
 }
 
 /* 0 if the dataset has another rank than ours. */
-static int shape_of(hid_t dataset, sdr_store_shape *shape)
+static int shape_of(hid_t dataset, sdr_hdf_shape *shape)
 {
   hsize_t sizes[2] = {1, 1};
   const hid_t space = H5Dget_space(dataset);
@@ -233,69 +259,69 @@ static int shape_of(hid_t dataset, sdr_store_shape *shape)
   const int known = rank >= 0 && rank <= 2;
   if (known) H5Sget_simple_extent_dims(space, sizes, NULL);
   H5Sclose(space);
-  *shape = (sdr_store_shape){type_in_file(dataset), rank, (size_t)sizes[0], (size_t)sizes[1]};
+  *shape = (sdr_hdf_shape){type_in_file(dataset), rank, (size_t)sizes[0], (size_t)sizes[1]};
   return known;
 }
 
-sdr_status sdr_store_shape_of(sdr_store *store, const char *name, sdr_store_shape *shape)
+sdr_status sdr_hdf_shape_of(sdr_hdf *file, const char *name, sdr_hdf_shape *shape)
 {
-  sdr_store_shape found;
-  const hid_t dataset = H5Dopen2(store->file, name, H5P_DEFAULT);
-  if (dataset < 0) return fail_read(store, name);
+  sdr_hdf_shape found;
+  const hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+  if (dataset < 0) return fail_read(file, name);
   const int known = shape_of(dataset, &found);
   H5Dclose(dataset);
   if (!known)
-    return sdr_fail(SDR_BAD_INPUT, "%s: %s has more than two dimensions", store->path, name);
+    return sdr_fail(SDR_BAD_INPUT, "%s: %s has more than two dimensions", file->path, name);
   *shape = found;
   return SDR_OK;
 }
 
-sdr_status sdr_store_read(sdr_store *store, const char *name, sdr_store_shape shape, void *data)
+sdr_status sdr_hdf_read(sdr_hdf *file, const char *name, sdr_hdf_shape shape, void *data)
 {
-  sdr_store_shape found;
+  sdr_hdf_shape found;
   sdr_status status = SDR_OK;
-  const hid_t dataset = H5Dopen2(store->file, name, H5P_DEFAULT);
-  if (dataset < 0) return fail_read(store, name);
+  const hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+  if (dataset < 0) return fail_read(file, name);
   if (!shape_of(dataset, &found) || found.rows * found.columns != shape.rows * shape.columns)
-    status = sdr_fail(SDR_BAD_INPUT, "%s: %s holds %zu values, not %zu", store->path, name,
+    status = sdr_fail(SDR_BAD_INPUT, "%s: %s holds %zu values, not %zu", file->path, name,
                       found.rows * found.columns, shape.rows * shape.columns);
   else if (H5Dread(dataset, type_of(shape.type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-    status = fail_read(store, name);
+    status = fail_read(file, name);
   H5Dclose(dataset);
   return status;
 }
 
-sdr_status sdr_store_read_text(sdr_store *store, const char *name, char *text, size_t size)
+sdr_status sdr_hdf_read_text(sdr_hdf *file, const char *name, char *text, size_t size)
 {
-  const hid_t dataset = H5Dopen2(store->file, name, H5P_DEFAULT);
-  if (dataset < 0) return fail_read(store, name);
+  const hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+  if (dataset < 0) return fail_read(file, name);
   sdr_status status = SDR_OK;
   const hid_t stored = H5Dget_type(dataset), type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, size);
   if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0 ||
       H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0)
-    status = fail_read(store, name);
+    status = fail_read(file, name);
   H5Tclose(type);
   H5Tclose(stored);
   H5Dclose(dataset);
   return status;
 }
 
-int sdr_store_count(sdr_store *store, const char *group)
+int sdr_hdf_count(sdr_hdf *file, const char *group)
 {
   H5G_info_t info;
-  if (H5Gget_info_by_name(store->file, group, &info, H5P_DEFAULT) < 0) return 0;
+  if (H5Gget_info_by_name(file->id, group, &info, H5P_DEFAULT) < 0) return 0;
   return (int)info.nlinks;
 }
 
-sdr_status sdr_store_name(sdr_store *store, const char *group, int k, char *name, size_t size)
+sdr_status sdr_hdf_name(sdr_hdf *file, const char *group, int k, char *name, size_t size)
 {
-  const ssize_t length = H5Lget_name_by_idx(store->file, group, H5_INDEX_NAME, H5_ITER_INC,
-                                            (hsize_t)k, name, size, H5P_DEFAULT);
-  return length < 0 ? fail_read(store, group) : SDR_OK;
+  const ssize_t length = H5Lget_name_by_idx(file->id, group, H5_INDEX_NAME, H5_ITER_INC, (hsize_t)k,
+                                            name, size, H5P_DEFAULT);
+  return length < 0 ? fail_read(file, group) : SDR_OK;
 }
 
-sdr_status sdr_store_remove(sdr_store *store, const char *name)
+sdr_status sdr_hdf_remove(sdr_hdf *file, const char *name)
 {
-  return H5Ldelete(store->file, name, H5P_DEFAULT) < 0 ? fail_write(store->path) : SDR_OK;
+  return H5Ldelete(file->id, name, H5P_DEFAULT) < 0 ? fail_write(file->path) : SDR_OK;
 }

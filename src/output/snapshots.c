@@ -1,0 +1,336 @@
+#include "output/snapshots.h"
+
+#include "base/memory.h"
+#include "output/fields.h"
+#include "output/fragments.h"
+#include "output/frames.h"
+#include "output/hdf.h"
+#include "output/xdmf.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MOST_FIELDS = 24 };
+
+typedef struct {
+  sdr_observer head;
+  const sdr_scene *scene;
+  const sdr_points *points;
+  char *directory;
+  char path[PATH_MAX];
+  int field_count;
+  const sdr_field_info *fields[MOST_FIELDS];
+  int next;           /* the wanted time that comes next: next / snapshots of the end */
+  int64_t frame_step; /* step of the latest frame; -1: none */
+  int frame_count, room;
+  double *times;  /* of the frames */
+  sdr_hdf *file;  /* NULL until the first frame */
+  double *values; /* scratch: the widest field, component-major */
+  float *packed;  /* scratch: the same, point after point, in the order of generation */
+} snapshots;
+
+static snapshots *of(sdr_observer *observer)
+{
+  return (snapshots *)(void *)observer;
+}
+
+/* The frame number `next` is wanted at this step, or before it. */
+static int reached(const snapshots *s, const sdr_moment *moment, int next)
+{
+  const int wanted = s->scene->output.snapshots;
+  if (next > wanted) return 0;
+  const double target = moment->end * ((double)next / (double)wanted);
+  return moment->last || target <= moment->time + moment->step_size * (0.5 - 1e-9);
+}
+
+static int due(const sdr_observer *observer, const sdr_moment *moment, int *wants_balance)
+{
+  (void)wants_balance;
+  const snapshots *s = (const snapshots *)(const void *)observer;
+  return s->scene->output.snapshots > 0 && reached(s, moment, s->next);
+}
+
+static int32_t place_of(const sdr_points *points, int32_t i)
+{
+  return points->generated ? points->generated[i] : i;
+}
+
+static sdr_status write_scalars(snapshots *s, const char *name, const double *values)
+{
+  const int32_t count = s->points->count;
+  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)count, 1};
+  for (int32_t i = 0; i < count; ++i) s->values[place_of(s->points, i)] = values[i];
+  return sdr_hdf_write(s->file, name, shape, s->values, "m");
+}
+
+static sdr_status write_index(snapshots *s)
+{
+  const size_t count = (size_t)s->points->count;
+  const sdr_hdf_shape shape = {SDR_HDF_INT32, 1, count, 1};
+  int32_t *index = sdr_alloc(count, sizeof *index);
+  if (!index) return SDR_RUN_FAILED;
+  for (size_t i = 0; i < count; ++i) index[i] = (int32_t)i;
+  const sdr_status status = sdr_hdf_write(s->file, "points/index", shape, index, NULL);
+  sdr_free(index);
+  return status;
+}
+
+static sdr_status write_positions(snapshots *s)
+{
+  const sdr_points *points = s->points;
+  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 2, (size_t)points->count, 3};
+  double *x = sdr_alloc((size_t)points->count * 3, sizeof *x);
+  if (!x) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int c = 0; c < points->components; ++c)
+      x[3 * (size_t)place_of(points, i) + (size_t)c] = points->x[c][i];
+  const sdr_status status = sdr_hdf_write(s->file, "points/position", shape, x, "m");
+  sdr_free(x);
+  return status;
+}
+
+static sdr_status write_points(snapshots *s)
+{
+  const sdr_points *points = s->points;
+  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)points->count, 1};
+  SDR_TRY(write_index(s));
+  SDR_TRY(write_positions(s));
+  for (int32_t i = 0; i < points->count; ++i) s->values[place_of(points, i)] = points->volume[i];
+  SDR_TRY(sdr_hdf_write(s->file, "points/volume", shape, s->values, "m^3"));
+  SDR_TRY(write_scalars(s, "points/horizon", points->horizon));
+  return write_scalars(s, "points/spacing", points->spacing);
+}
+
+static sdr_status make_fragments(snapshots *s, sdr_system *system)
+{
+  sdr_fragments found;
+  int32_t *piece = sdr_alloc((size_t)s->points->count, sizeof *piece);
+  if (!piece) return SDR_RUN_FAILED;
+  const sdr_status status =
+      sdr_fragments_find(system, s->scene->output.fragment_threshold, piece, &found);
+  for (int32_t i = 0; status == SDR_OK && i < s->points->count; ++i)
+    s->values[i] = (double)piece[i];
+  sdr_free(piece);
+  return status;
+}
+
+static sdr_status write_field(snapshots *s, sdr_system *system, const sdr_field_info *field)
+{
+  const size_t count = (size_t)s->points->count;
+  const size_t width = (size_t)sdr_field_width(field, s->points->components);
+  char path[SDR_FRAME_PATH];
+  if (strcmp(field->name, "fragment") == 0)
+    SDR_TRY(make_fragments(s, system));
+  else
+    SDR_TRY(sdr_system_field(system, field->name, s->values));
+  for (size_t i = 0; i < count; ++i) {
+    float *to = s->packed + width * (size_t)place_of(s->points, (int32_t)i);
+    for (size_t k = 0; k < width; ++k) to[k] = (float)s->values[k * count + i];
+  }
+  const sdr_hdf_shape shape = {SDR_HDF_FLOAT, width > 1 ? 2 : 1, count, width};
+  sdr_frame_path(path, s->frame_count, field->name);
+  return sdr_hdf_write(s->file, path, shape, s->packed, field->unit);
+}
+
+/* Bytes of a frame, with room for what HDF5 adds. */
+static size_t frame_bytes(const snapshots *s)
+{
+  size_t values = 0;
+  for (int f = 0; f < s->field_count; ++f)
+    values += (size_t)sdr_field_width(s->fields[f], s->points->components);
+  return values * (size_t)s->points->count * sizeof(float) + 65536;
+}
+
+static sdr_status write_frame(snapshots *s, const sdr_moment *moment)
+{
+  const sdr_hdf_shape single = {SDR_HDF_DOUBLE, 0, 1, 1};
+  char path[SDR_FRAME_PATH];
+  SDR_TRY(sdr_hdf_reserve(s->file, frame_bytes(s)));
+  if (s->frame_count == 0) SDR_TRY(write_points(s));
+  for (int f = 0; f < s->field_count; ++f) SDR_TRY(write_field(s, moment->system, s->fields[f]));
+  sdr_frame_path(path, s->frame_count, "time");
+  SDR_TRY(sdr_hdf_write(s->file, path, single, &moment->time, "s"));
+  return sdr_hdf_flush(s->file);
+}
+
+static sdr_status remember(snapshots *s, double time)
+{
+  if (s->frame_count == s->room) {
+    const int room = 2 * s->room + 16;
+    double *grown = sdr_realloc(s->times, (size_t)room, sizeof *grown);
+    if (!grown) return SDR_RUN_FAILED;
+    s->times = grown;
+    s->room = room;
+  }
+  s->times[s->frame_count++] = time;
+  return SDR_OK;
+}
+
+static sdr_status write_xdmf(const snapshots *s)
+{
+  const sdr_xdmf what = {.points = s->points->count,
+                         .components = s->points->components,
+                         .frame_count = s->frame_count,
+                         .times = s->times,
+                         .field_count = s->field_count,
+                         .fields = s->fields};
+  return sdr_xdmf_write(s->directory, &what);
+}
+
+/* After a failed write the file cannot be gone on with. Frames before this one stay readable; a
+   file without any is removed. The first message counts. */
+static void give_up(snapshots *s)
+{
+  char message[4096];
+  snprintf(message, sizeof message, "%s", sdr_error_message());
+  sdr_hdf_close(&s->file);
+  if (s->frame_count == 0) unlink(s->path);
+  sdr_fail(SDR_IO_ERROR, "%s", message);
+}
+
+static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
+{
+  snapshots *s = of(observer);
+  if (!s->file) SDR_TRY(sdr_hdf_create(s->path, &s->file));
+  const sdr_status status = write_frame(s, moment);
+  if (status != SDR_OK) {
+    give_up(s);
+    return status;
+  }
+  SDR_TRY(remember(s, moment->time));
+  while (reached(s, moment, s->next)) ++s->next;
+  s->frame_step = moment->step;
+  return write_xdmf(s);
+}
+
+static sdr_status finish(sdr_observer *observer, const sdr_moment *moment)
+{
+  snapshots *s = of(observer);
+  const int missing = s->scene->output.snapshots > 0 && s->next <= s->scene->output.snapshots &&
+                      s->frame_step != moment->step;
+  if (missing) SDR_TRY(look(observer, moment));
+  return sdr_hdf_close(&s->file);
+}
+
+static sdr_status check_points(const snapshots *s)
+{
+  sdr_hdf_shape shape;
+  SDR_TRY(sdr_hdf_shape_of(s->file, "points/index", &shape));
+  if (shape.rows == (size_t)s->points->count) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT,
+                  "%s holds %zu points, this run has %d, so it cannot be continued; give another "
+                  "directory with -o",
+                  s->path, shape.rows, (int)s->points->count);
+}
+
+/* Keep the whole frames up to `time`, remove the others and any torn one. */
+static sdr_status cut(snapshots *s, double time)
+{
+  char group[SDR_FRAME_PATH];
+  const int count = sdr_frames_times(s->file, NULL, 0);
+  double *times = sdr_alloc((size_t)count, sizeof *times);
+  if (!times) return SDR_RUN_FAILED;
+  sdr_frames_times(s->file, times, count);
+  sdr_status status = SDR_OK;
+  while (status == SDR_OK && s->frame_count < count && times[s->frame_count] <= time)
+    status = remember(s, times[s->frame_count]);
+  sdr_free(times);
+  if (status != SDR_OK || s->frame_count == 0) return status;
+  SDR_TRY(check_points(s));
+  for (int k = s->frame_count;; ++k) {
+    sdr_frame_path(group, k, "");
+    if (!sdr_hdf_has(s->file, group)) break;
+    SDR_TRY(sdr_hdf_remove(s->file, group));
+  }
+  return sdr_hdf_flush(s->file);
+}
+
+/* Without a file, or without a frame in it, a new one is begun. */
+static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
+{
+  snapshots *s = of(observer);
+  int unused = 0;
+  s->frame_count = 0;
+  s->next = 0;
+  s->frame_step = -1;
+  SDR_TRY(sdr_hdf_close(&s->file));
+  if (s->scene->output.snapshots <= 0) return SDR_OK;
+  if (access(s->path, F_OK) == 0) {
+    SDR_TRY(sdr_hdf_open(s->path, 1, &s->file));
+    SDR_TRY(cut(s, moment->time + 0.5 * moment->step_size));
+    if (s->frame_count == 0) SDR_TRY(sdr_hdf_close(&s->file));
+  }
+  if (s->frame_count > 0) {
+    sdr_moment latest = *moment;
+    latest.last = 0;
+    latest.time = s->times[s->frame_count - 1];
+    while (reached(s, &latest, s->next)) ++s->next;
+    SDR_TRY(write_xdmf(s));
+  }
+  return due(observer, moment, &unused) ? look(observer, moment) : SDR_OK;
+}
+
+static void destroy(sdr_observer *observer)
+{
+  snapshots *s = of(observer);
+  sdr_hdf_close(&s->file); /* each frame was flushed; only a run that failed comes here open */
+  sdr_free(s->directory);
+  sdr_free(s->times);
+  sdr_free(s->values);
+  sdr_free(s->packed);
+  sdr_free(s);
+}
+
+static const sdr_observer_ops ops = {.name = "snapshots",
+                                     .due = due,
+                                     .look = look,
+                                     .finish = finish,
+                                     .resumed = resumed,
+                                     .destroy = destroy};
+
+static sdr_status choose_fields(snapshots *s)
+{
+  const sdr_output_scene *output = &s->scene->output;
+  for (int f = 0; f < output->field_count && f < MOST_FIELDS; ++f) {
+    const sdr_field_info *field = sdr_field_find(output->field[f]);
+    if (!field)
+      return sdr_fail(SDR_BAD_INPUT, "output.fields: there is no field '%s'", output->field[f]);
+    for (int earlier = 0; field && earlier < s->field_count; ++earlier)
+      if (s->fields[earlier] == field) field = NULL;
+    if (field) s->fields[s->field_count++] = field;
+  }
+  return SDR_OK;
+}
+
+static sdr_status make_room(snapshots *s)
+{
+  int widest = 1;
+  for (int f = 0; f < s->field_count; ++f) {
+    const int width = sdr_field_width(s->fields[f], s->points->components);
+    if (width > widest) widest = width;
+  }
+  const size_t size = (size_t)widest * (size_t)s->points->count;
+  s->values = sdr_alloc(size, sizeof *s->values);
+  s->packed = sdr_alloc(size, sizeof *s->packed);
+  return s->values && s->packed ? SDR_OK : SDR_RUN_FAILED;
+}
+
+sdr_status sdr_snapshots_create(const sdr_scene *scene, const char *directory,
+                                const sdr_points *points, sdr_observer **out)
+{
+  snapshots *s = sdr_alloc(1, sizeof *s);
+  if (!s) return SDR_RUN_FAILED;
+  *s = (snapshots){.head.ops = &ops, .scene = scene, .points = points, .frame_step = -1};
+  snprintf(s->path, sizeof s->path, "%s/snapshots.h5", directory);
+  s->directory = sdr_strdup(directory);
+  sdr_status status = s->directory ? choose_fields(s) : SDR_RUN_FAILED;
+  if (status == SDR_OK && scene->output.snapshots > 0) status = make_room(s);
+  if (status == SDR_OK)
+    *out = &s->head;
+  else
+    destroy(&s->head);
+  return status;
+}
