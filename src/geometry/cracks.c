@@ -85,7 +85,7 @@ static void disc_patch(const sdr_crack *crack, patch *p)
 static int middle_corner(const double *v)
 {
   int best = 0;
-  double least = INFINITY;
+  double least = HUGE_VAL;
   for (int k = 0; k < 3; ++k) {
     double e[3], g[3];
     subtract(v + 3 * ((k + 1) % 3), v + 3 * k, e);

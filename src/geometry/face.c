@@ -404,7 +404,7 @@ static double box_distance(const face *from, int components, const double x[3])
 
 static double polygon_distance(const sdr_shape *polygon, const double x[3])
 {
-  double distance = INFINITY;
+  double distance = HUGE_VAL;
   for (int k = 0, last = polygon->vertex_count - 1; k < polygon->vertex_count; last = k++) {
     const double *a = &polygon->vertices[2 * last], *b = &polygon->vertices[2 * k];
     distance = fmin(distance, sdr_segment_distance(a, b, x));
@@ -416,7 +416,7 @@ double sdr_face_distance(const sdr_shape *shape, const char *name, sdr_dimension
                          const double x[3])
 {
   face from;
-  if (!shape || find_face(shape, name, 0, &from) != 1) return INFINITY;
+  if (!shape || find_face(shape, name, 0, &from) != 1) return HUGE_VAL;
   const sdr_shape *own = from.shape;
   const double d[3] = {x[0] - own->centre[0], x[1] - own->centre[1], x[2] - own->centre[2]};
   const double radius = from.index == ROUND_INNER ? own->inner : own->outer;
@@ -434,6 +434,6 @@ double sdr_face_distance(const sdr_shape *shape, const char *name, sdr_dimension
   case SDR_POLYGON:
     return polygon_distance(own, x);
   default:
-    return INFINITY;
+    return HUGE_VAL;
   }
 }

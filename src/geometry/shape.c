@@ -80,7 +80,7 @@ static int half_space_contains(const sdr_shape *shape, const double x[3], double
 
 static int polygon_contains(const sdr_shape *shape, const double x[3], double tolerance)
 {
-  double distance = INFINITY;
+  double distance = HUGE_VAL;
   int inside = 0;
   for (int k = 0, last = shape->vertex_count - 1; k < shape->vertex_count; last = k++) {
     const double *a = &shape->vertices[2 * last], *b = &shape->vertices[2 * k];
@@ -136,8 +136,8 @@ int sdr_shape_contains(const sdr_shape *shape, const double x[3], double toleran
 static void unbounded(double low[3], double high[3])
 {
   for (int c = 0; c < 3; ++c) {
-    low[c] = -INFINITY;
-    high[c] = INFINITY;
+    low[c] = -HUGE_VAL;
+    high[c] = HUGE_VAL;
   }
 }
 
@@ -156,8 +156,8 @@ static void box_bounds(const sdr_shape *box, double low[3], double high[3])
     high[c] = box->high[c];
   }
   if (box->angle == 0.0) return;
-  low[0] = low[1] = INFINITY;
-  high[0] = high[1] = -INFINITY;
+  low[0] = low[1] = HUGE_VAL;
+  high[0] = high[1] = -HUGE_VAL;
   for (int k = 0; k < 4; ++k) {
     const double corner[3] = {k & 1 ? box->high[0] : box->low[0],
                               k & 2 ? box->high[1] : box->low[1], 0.0};
@@ -190,8 +190,8 @@ static void half_space_bounds(const sdr_shape *shape, double low[3], double high
 static void polygon_bounds(const sdr_shape *shape, double low[3], double high[3])
 {
   unbounded(low, high);
-  low[0] = low[1] = INFINITY;
-  high[0] = high[1] = -INFINITY;
+  low[0] = low[1] = HUGE_VAL;
+  high[0] = high[1] = -HUGE_VAL;
   for (int k = 0; k < shape->vertex_count; ++k) include(&shape->vertices[2 * k], 2, low, high);
 }
 

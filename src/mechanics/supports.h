@@ -1,4 +1,5 @@
-/* Prescribed displacements and velocities, by component (design sec. 4). */
+/* Prescribed displacements and velocities, by component (design sec. 4). A support holds the points
+   of its volume, or those within `depth` of its face. */
 #ifndef SDR_MECHANICS_SUPPORTS_H
 #define SDR_MECHANICS_SUPPORTS_H
 
@@ -8,8 +9,9 @@
 typedef struct sdr_supports sdr_supports;
 
 /* Find the supported points. A support that meets no point is SDR_BAD_INPUT with its origin; so
-   are two supports that prescribe the same component of a point at overlapping times. The supports
-   borrow scene and points. Owner: the caller. */
+   are two supports that prescribe the same component of a point at overlapping times; one may begin
+   at the moment the other ends, and then takes over at it. The supports borrow scene and points.
+   Owner: the caller. */
 sdr_status sdr_supports_create(const sdr_scene *scene, const sdr_points *points,
                                sdr_supports **out);
 void sdr_supports_destroy(sdr_supports **supports); /* NULL-safe */
@@ -26,8 +28,9 @@ typedef struct {
 int32_t sdr_supports_count(const sdr_supports *supports);
 const sdr_prescribed *sdr_supports_list(const sdr_supports *supports);
 
-/* Values of all entries at time t (m or m/s, ramp applied); NAN where not active at t. The array
-   holds sdr_supports_count values. */
+/* Values of all entries at time t (m or m/s, times the ramp); NAN where not active at t. Formulas
+   of the place see the point's reference position; those of place and time are evaluated at every
+   point (slow). Fails where one is not finite. The array holds sdr_supports_count values. */
 sdr_status sdr_supports_values(sdr_supports *supports, double t, double *values);
 
 #endif
