@@ -62,7 +62,7 @@ sdr_status sdr_frames_open(const char *directory, sdr_frames **out)
 void sdr_frames_close(sdr_frames **frames)
 {
   if (!*frames) return;
-  sdr_hdf_close(&(*frames)->file); /* only read: nothing can be lost */
+  sdr_hdf_discard(&(*frames)->file);
   sdr_free((*frames)->times);
   sdr_free(*frames);
   *frames = NULL;

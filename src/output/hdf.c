@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -143,15 +144,26 @@ sdr_status sdr_hdf_reserve(sdr_hdf *file, size_t bytes)
   return sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", file->path, strerror(failed));
 }
 
+static herr_t release(sdr_hdf **file)
+{
+  const herr_t result = H5Fclose((*file)->id);
+  sdr_free((*file)->path);
+  sdr_free(*file);
+  *file = NULL;
+  return result;
+}
+
 sdr_status sdr_hdf_close(sdr_hdf **file)
 {
-  sdr_hdf *f = *file;
-  if (!f) return SDR_OK;
-  const sdr_status status = H5Fclose(f->id) < 0 ? fail_write(f->path) : SDR_OK;
-  sdr_free(f->path);
-  sdr_free(f);
-  *file = NULL;
-  return status;
+  char path[PATH_MAX];
+  if (!*file) return SDR_OK;
+  snprintf(path, sizeof path, "%s", (*file)->path);
+  return release(file) < 0 ? fail_write(path) : SDR_OK;
+}
+
+void sdr_hdf_discard(sdr_hdf **file)
+{
+  if (*file) release(file);
 }
 
 static hid_t type_of(sdr_hdf_type type)

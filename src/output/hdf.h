@@ -34,6 +34,10 @@ sdr_status sdr_hdf_open(const char *path, int writable, sdr_hdf **out);
 /* Close and release; NULL-safe. SDR_IO_ERROR if the last bytes could not be written. */
 sdr_status sdr_hdf_close(sdr_hdf **file);
 
+/* The same without a word about failure: for files only read, or already failed. The error message
+   stays that of before. NULL-safe. */
+void sdr_hdf_discard(sdr_hdf **file);
+
 sdr_status sdr_hdf_flush(sdr_hdf *file);
 
 /* Ask for `bytes` more on the disk ahead of writing them, where the file system can promise that;

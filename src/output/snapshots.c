@@ -181,14 +181,11 @@ static sdr_status write_xdmf(const snapshots *s)
 }
 
 /* After a failed write the file cannot be gone on with. Frames before this one stay readable; a
-   file without any is removed. The first message counts. */
+   file without any is removed. */
 static void give_up(snapshots *s)
 {
-  char message[4096];
-  snprintf(message, sizeof message, "%s", sdr_error_message());
-  sdr_hdf_close(&s->file);
+  sdr_hdf_discard(&s->file);
   if (s->frame_count == 0) unlink(s->path);
-  sdr_fail(SDR_IO_ERROR, "%s", message);
 }
 
 static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
@@ -276,7 +273,7 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
 static void destroy(sdr_observer *observer)
 {
   snapshots *s = of(observer);
-  sdr_hdf_close(&s->file); /* each frame was flushed; only a run that failed comes here open */
+  sdr_hdf_discard(&s->file); /* each frame was flushed */
   sdr_free(s->directory);
   sdr_free(s->times);
   sdr_free(s->values);
