@@ -11,15 +11,19 @@ typedef struct {
   double value; /* NAN: null */
 } sdr_measured;
 
+/* SI. NULL texts and non-finite numbers become null. */
 typedef struct {
   const sdr_scene *scene;
+  const char *version;         /* NULL: SUNDER_VERSION */
   const char *commit;          /* git commit of the build */
   const char *instruction_set; /* "avx512", "avx2", "baseline" */
   int threads;
-  int64_t points, bonds, pairs, runs, loose, steps;
+  int64_t points, bonds, pairs, runs, loose;
+  int64_t steps;     /* accepted since t = 0 */
+  int64_t steps_run; /* accepted by this process, whose wall times these are; 0: all */
   double step_size, time_end;
   double wall_setup, wall_integrate, wall_output, wall_total; /* s */
-  double stable_step;                                         /* s */
+  double stable_step;                                         /* s; NAN: not looked for */
   sdr_books books;
   double onset_time;              /* NAN: never */
   double damage_max, damage_mean; /* of the points' damage field */
@@ -31,8 +35,11 @@ typedef struct {
   int measured_count;
 } sdr_summary;
 
-/* Write DIRECTORY/summary.json by rename. A figure of the scene that nothing measures is
-   SDR_BAD_INPUT. peak_memory_bytes is the process's (getrusage). */
+/* Is each figure of the scene among these names? SDR_BAD_INPUT with the origin of one that is not,
+   and the names there are. For before the run: sdr_summary_write fails likewise after it. */
+sdr_status sdr_figures_check(const sdr_scene *scene, const sdr_measured *measured, int count);
+
+/* Write DIRECTORY/summary.json by rename. peak_memory_bytes is the process's (getrusage). */
 sdr_status sdr_summary_write(const char *directory, const sdr_summary *summary);
 
 #endif
