@@ -69,8 +69,8 @@ static void visit_run(const sdr_bonds *bonds, const sdr_run *run, sdr_pair_visit
   }
 }
 
-static void visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_visitor visit,
-                              void *context)
+void sdr_bonds_visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_visitor visit,
+                                 void *context)
 {
   const sdr_loose *loose = &bonds->loose;
   const int32_t chunk = i / SDR_LANES;
@@ -101,7 +101,7 @@ void sdr_bonds_visit_stripe(const sdr_bonds *bonds, const sdr_points *points, in
     visit_run(bonds, &bonds->runs[r], visit, context);
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
-      visit_loose_point(bonds, i, visit, context);
+      sdr_bonds_visit_loose_point(bonds, i, visit, context);
 }
 
 void sdr_bonds_visit(const sdr_bonds *bonds, const sdr_points *points, sdr_pair_visitor visit,

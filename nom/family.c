@@ -36,8 +36,8 @@ static void add_bond(sums *s, const double xi[3], double v, double b)
   }
 }
 
-static double unit_weight(const sdr_families *families, const sdr_family *family,
-                          const double lambda[SDR_MONOMIALS], const double xi[3])
+double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
+                              const double lambda[SDR_MONOMIALS], const double xi[3])
 {
   const double length = sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
   switch (families->weight) {
@@ -59,13 +59,13 @@ double sdr_families_weight(const void *context, int32_t i, int32_t j, const doub
   const sdr_family *family = sdr_family_of(families, i);
   const double *lambda =
       families->lambda ? families->lambda + SDR_MONOMIALS * (size_t)i : family->lambda;
-  return unit_weight(families, family, lambda, xi);
+  return sdr_family_bond_weight(families, family, lambda, xi);
 }
 
 /* ---- a lattice's full stencil ---------------------------------------------------------------- */
 
-static void stencil_vector(const sdr_points *points, double spacing, const int32_t step[3],
-                           double xi[3])
+void sdr_stencil_vector(const sdr_points *points, double spacing, const int32_t step[3],
+                        double xi[3])
 {
   for (int b = 0; b < 3; ++b) xi[b] = 0.0;
   for (int a = 0; a < points->components; ++a)
@@ -78,9 +78,9 @@ static sums sum_stencil(const sdr_families *families, const sdr_family *family,
   sums total = {.components = families->points->components};
   for (int k = 0; k < stencil->count; ++k) {
     double xi[3];
-    stencil_vector(families->points, family->spacing, stencil->step + 3 * k, xi);
+    sdr_stencil_vector(families->points, family->spacing, stencil->step + 3 * k, xi);
     add_bond(&total, xi, family->volume,
-             weighted ? unit_weight(families, family, family->lambda, xi) : 1.0);
+             weighted ? sdr_family_bond_weight(families, family, family->lambda, xi) : 1.0);
   }
   return total;
 }

@@ -50,6 +50,14 @@ static inline const sdr_family *sdr_family_of(const sdr_families *families, int3
 /* Weight b of the bond i -> j with the reference vector xi[3]; fits sdr_bonds_how. */
 double sdr_families_weight(const void *families, int32_t i, int32_t j, const double xi[3]);
 
+/* The same for any bond vector xi[3] of a family with the given iso weights `lambda`. */
+double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
+                              const double lambda[SDR_MONOMIALS], const double xi[3]);
+
+/* The vector xi[3] of a stencil step at this spacing, along the points' lattice axes. */
+void sdr_stencil_vector(const sdr_points *points, double spacing, const int32_t step[3],
+                        double xi[3]);
+
 /* Solve for the iso weights (theory sec. 5): `gram` is sum V r phi phi^T (count x count, row
    major), `moment` sum V r phi, m sum V r. Least squares; lambda gets count values. */
 sdr_status sdr_iso_solve(int components, const double *gram, const double *moment, double m,

@@ -58,6 +58,9 @@ typedef struct {
   /* Energies with history = max(committed, present). */
   void (*energies)(sdr_model *model, double *const u[3], sdr_energies *out);
 
+  /* out = K v with the tangent K of the undeformed, undamaged body: for the stable step. */
+  void (*reference_times)(sdr_model *model, double *const v[3], double *const out[3]);
+
   /* out = -d f/du v at u, exact away from kinks (theory sec. 4). N/m times m. */
   sdr_status (*tangent_times)(sdr_model *model, double *const u[3], double *const v[3],
                               double *const out[3]);

@@ -1,0 +1,414 @@
+#include "mechanics/bond_based.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "mechanics/bond_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- shared by the model's files ------------------------------------------------------------- */
+
+double sdr_pair_stretch(const sdr_pair *pair, int components, double *const u[3])
+{
+  double z = 0.0;
+  for (int a = 0; a < components; ++a) {
+    const double eta = u[a][pair->j] - u[a][pair->i];
+    z += (2.0 * pair->xi[a] + eta) * eta;
+  }
+  z /= pair->length * pair->length;
+  return z / (1.0 + sqrt(fmax(1.0 + z, 1e-200)));
+}
+
+static sdr_pair_state variational_state(const sdr_bond_body *body, const sdr_pair *pair, double s,
+                                        float k)
+{
+  if (k == SDR_STRETCH_CUT) return (sdr_pair_state){1.0, 1.0, 1, 0};
+  if (k == SDR_STRETCH_PROTECTED) return (sdr_pair_state){0.0, 0.0, 0, 1};
+  const float now = (float)s, grown = k > now ? k : now;
+  return (sdr_pair_state){sdr_variational_damage(grown, sdr_body_threshold(body, pair->i)),
+                          sdr_variational_damage(grown, sdr_body_threshold(body, pair->j)), 0, 0};
+}
+
+sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s)
+{
+  const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
+  const uint8_t *flags = pair->loose ? body->loose_flags : body->flags;
+  if (body->law == SDR_LAW_VARIATIONAL)
+    return variational_state(body, pair, s, stretch[pair->slot]);
+  if (!flags) return (sdr_pair_state){0.0, 0.0, 0, 0};
+  const uint8_t flag = flags[pair->slot];
+  return (sdr_pair_state){sdr_flag_damage(flag, SDR_LOST_I), sdr_flag_damage(flag, SDR_LOST_J),
+                          (flag & SDR_CUT) != 0, (flag & SDR_PROTECTED) != 0};
+}
+
+void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end)
+{
+  const int32_t *stripe = body->points->stripe_first;
+  const int some = body->bonds->loose.chunk_count > 0;
+  *first = some ? (stripe[s] + SDR_LANES - 1) / SDR_LANES : 0;
+  *end = some ? (stripe[s + 1] + SDR_LANES - 1) / SDR_LANES : 0;
+}
+
+void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context)
+{
+  sdr_parallel_for(0, points->stripe_count, 2, task, context);
+  sdr_parallel_for(1, points->stripe_count, 2, task, context);
+}
+
+/* ---- force ----------------------------------------------------------------------------------- */
+
+typedef struct {
+  sdr_bond_model *model;
+  sdr_run_force run;
+  sdr_loose_force loose;
+  double *const *u, *const *v, *const *f;
+  double dt;
+} force_call;
+
+static void zero_stripe(const sdr_points *points, int s, double *const f[3])
+{
+  if (s >= points->stripe_count) return;
+  const int32_t first = points->stripe_first[s], end = points->stripe_first[s + 1];
+  for (int a = 0; a < points->components; ++a)
+    memset(f[a] + first, 0, (size_t)(end - first) * sizeof(double));
+}
+
+/* Even stripes come first: they clear their own force and the next stripe's, where they add. */
+static void force_of_stripe(void *context, int s)
+{
+  const force_call *call = context;
+  const sdr_bonds *bonds = call->model->bonds;
+  if (s % 2 == 0) {
+    zero_stripe(call->model->head.points, s, call->f);
+    zero_stripe(call->model->head.points, s + 1, call->f);
+  }
+  call->run(&call->model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->f);
+}
+
+/* After the runs' stripes: chunks add to their own points only. */
+static void force_of_loose_stripe(void *context, int s)
+{
+  const force_call *call = context;
+  int64_t first, end;
+  sdr_stripe_chunks(&call->model->body, s, &first, &end);
+  call->loose(&call->model->body, first, end, call->u, call->f);
+}
+
+static void book_stripe(void *context, int s)
+{
+  const force_call *call = context;
+  sdr_bond_book(call->model, s, call->u, call->v, call->dt);
+}
+
+/* Book what the step lost, when every stripe's force is known. */
+static void book(force_call *call)
+{
+  const sdr_bond_model *model = call->model;
+  if (!model->booked) return;
+  sdr_parallel_for(0, model->head.points->stripe_count, 1, book_stripe, call);
+  /* A chunk may belong to two stripes, so its mark goes when both have looked. */
+  if (model->body.chunk_fresh)
+    memset(model->body.chunk_fresh, 0, (size_t)model->bonds->loose.chunk_count);
+}
+
+static void compute_force(sdr_bond_model *model, int commit, double *const u[3], double *const v[3],
+                          double dt, double *const f[3])
+{
+  const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
+  force_call call = {.model = model,
+                     .run = model->kernels->run_force[model->body.law][n - 1][each][commit],
+                     .loose = model->kernels->loose_force[model->body.law][n - 1][each][commit],
+                     .u = u,
+                     .v = v,
+                     .f = f,
+                     .dt = dt};
+  sdr_each_stripe(model->head.points, force_of_stripe, &call);
+  if (model->bonds->loose.chunk_count > 0)
+    sdr_parallel_for(0, model->head.points->stripe_count, 1, force_of_loose_stripe, &call);
+  if (commit) book(&call);
+}
+
+static void force(sdr_model *model, double *const u[3], double *const f[3])
+{
+  compute_force((sdr_bond_model *)model, 0, u, NULL, 0.0, f);
+}
+
+static void force_commit(sdr_model *model, double *const u[3], double *const v[3], double dt,
+                         double *const f[3])
+{
+  compute_force((sdr_bond_model *)model, 1, u, v, dt, f);
+}
+
+typedef struct {
+  sdr_bond_model *model;
+  double *const *u;
+} commit_call;
+
+/* The history of one pair takes the present stretch in. */
+static void commit_pair(void *context, const sdr_pair *pair)
+{
+  const commit_call *call = context;
+  sdr_bond_body *body = &call->model->body;
+  const double s = sdr_pair_stretch(pair, call->model->head.points->components, call->u);
+  if (body->law == SDR_LAW_VARIATIONAL) {
+    float *k = (pair->loose ? body->loose_stretch : body->stretch) + pair->slot;
+    if (*k >= 0.0f && (float)s > *k) *k = (float)s;
+  } else if (body->law == SDR_LAW_CRITICAL_STRETCH) {
+    uint8_t *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
+    if (*flags & SDR_PROTECTED) return;
+    const int i =
+        sdr_critical_breaks(s, sdr_body_threshold(body, pair->i)) && !(*flags & SDR_LOST_I);
+    const int j =
+        sdr_critical_breaks(s, sdr_body_threshold(body, pair->j)) && !(*flags & SDR_LOST_J);
+    *flags =
+        (uint8_t)(*flags | (i ? SDR_LOST_I | SDR_FRESH_I : 0) | (j ? SDR_LOST_J | SDR_FRESH_J : 0));
+  }
+}
+
+static void commit_stripe(void *context, int s)
+{
+  commit_call *call = context;
+  sdr_bond_model *model = call->model;
+  sdr_bonds_visit_stripe(model->bonds, model->head.points, s, commit_pair, call);
+  if (!model->booked) return;
+  const int64_t first = model->bonds->stripe_run[s], end = model->bonds->stripe_run[s + 1];
+  if (model->body.run_fresh) memset(model->body.run_fresh + first, 1, (size_t)(end - first));
+  int64_t chunk, last;
+  sdr_stripe_chunks(&model->body, s, &chunk, &last);
+  if (model->body.chunk_fresh) memset(model->body.chunk_fresh + chunk, 1, (size_t)(last - chunk));
+}
+
+static void commit(sdr_model *model, double *const u[3])
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  commit_call call = {bond, u};
+  sdr_parallel_for(0, model->points->stripe_count, 1, commit_stripe, &call);
+  force_call booking = {.model = bond, .u = u};
+  book(&booking);
+}
+
+/* ---- creation -------------------------------------------------------------------------------- */
+
+static void state(sdr_model *model, sdr_state_block *blocks, int *count)
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  const sdr_bond_body *body = &bond->body;
+  const size_t runs = (size_t)bond->bonds->run_slots, loose = (size_t)bond->bonds->loose.slot_count;
+  int n = 0;
+  if (body->stretch)
+    blocks[n++] = (sdr_state_block){"stretch", body->stretch, runs * sizeof(float)};
+  if (body->loose_stretch)
+    blocks[n++] = (sdr_state_block){"loose_stretch", body->loose_stretch, loose * sizeof(float)};
+  if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs};
+  if (body->loose_flags) blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose};
+  if (bond->booked)
+    blocks[n++] = (sdr_state_block){"booked", bond->booked,
+                                    (size_t)model->points->stripe_count * sizeof(double)};
+  *count = n;
+}
+
+static void destroy(sdr_model *model)
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  if (!bond) return;
+  sdr_bonds_destroy(&bond->bonds);
+  sdr_free(bond->body.stiffness_at);
+  sdr_free(bond->body.threshold_at);
+  sdr_free(bond->body.stretch);
+  sdr_free(bond->body.loose_stretch);
+  sdr_free(bond->body.flags);
+  sdr_free(bond->body.loose_flags);
+  sdr_free(bond->body.run_marked);
+  sdr_free(bond->body.run_fresh);
+  sdr_free(bond->body.chunk_fresh);
+  sdr_free(bond->booked);
+  sdr_free(bond);
+}
+
+static const sdr_model_ops ops = {.name = "bond_based",
+                                  .force = force,
+                                  .force_commit = force_commit,
+                                  .commit = commit,
+                                  .energies = sdr_bond_energies,
+                                  .reference_times = sdr_bond_reference_times,
+                                  .tangent_times = sdr_bond_tangent_times,
+                                  .tangent_diagonal = sdr_bond_tangent_diagonal,
+                                  .field = sdr_bond_field,
+                                  .visit_damage = sdr_bond_visit_damage,
+                                  .state = state,
+                                  .destroy = destroy};
+
+/* C and q of point i. */
+static void constants_of(const sdr_points *points, const sdr_families *families,
+                         const sdr_bond_based_how *how, int32_t i, double *c, double *q)
+{
+  const sdr_family *family = sdr_family_of(families, i);
+  *c = sdr_micromodulus(how->dimension, how->calibration, family, how->young[i]);
+  *q = 1.0;
+  if (how->law == SDR_LAW_NONE) return;
+  *q = sdr_critical_stretch_squared(how->dimension, how->calibration, family, how->young[i],
+                                    how->toughness[points->material[i]]);
+  if (how->law != SDR_LAW_VARIATIONAL) return;
+  const double ell = how->ell.relative ? how->ell.value * points->horizon[i] : how->ell.value;
+  *q *= points->horizon[i] / ell;
+}
+
+static sdr_status set_constants(sdr_bond_body *body, const sdr_families *families,
+                                const sdr_bond_based_how *how)
+{
+  const sdr_points *points = body->points;
+  constants_of(points, families, how, 0, &body->stiffness, &body->threshold);
+  int shared = 1;
+  for (int32_t i = 1; i < points->count && shared; ++i) {
+    double c, q;
+    constants_of(points, families, how, i, &c, &q);
+    shared = c == body->stiffness && q == body->threshold;
+  }
+  if (shared) return SDR_OK;
+  body->stiffness_at = sdr_alloc(sdr_points_padded(points), sizeof(double));
+  body->threshold_at = sdr_alloc(sdr_points_padded(points), sizeof(double));
+  if (!body->stiffness_at || !body->threshold_at) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < points->count; ++i)
+    constants_of(points, families, how, i, &body->stiffness_at[i], &body->threshold_at[i]);
+  for (size_t i = (size_t)points->count; i < sdr_points_padded(points); ++i)
+    body->threshold_at[i] = 1.0; /* padding is divided by */
+  return SDR_OK;
+}
+
+static sdr_status alloc_flags(sdr_bond_model *model)
+{
+  sdr_bond_body *body = &model->body;
+  const size_t runs = (size_t)model->bonds->run_slots;
+  const size_t loose = (size_t)model->bonds->loose.slot_count;
+  if (runs > 0 && !body->flags && !(body->flags = sdr_alloc(runs, 1))) return SDR_RUN_FAILED;
+  if (loose > 0 && !body->loose_flags && !(body->loose_flags = sdr_alloc(loose, 1)))
+    return SDR_RUN_FAILED;
+  return SDR_OK;
+}
+
+static sdr_status alloc_history(sdr_bond_model *model)
+{
+  sdr_bond_body *body = &model->body;
+  const sdr_bonds *bonds = model->bonds;
+  const size_t runs = (size_t)bonds->run_slots, loose = (size_t)bonds->loose.slot_count;
+  if (body->law == SDR_LAW_VARIATIONAL) {
+    if (runs > 0 && !(body->stretch = sdr_alloc(runs, sizeof(float)))) return SDR_RUN_FAILED;
+    if (loose > 0 && !(body->loose_stretch = sdr_alloc(loose, sizeof(float))))
+      return SDR_RUN_FAILED;
+  }
+  if (body->law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
+  SDR_TRY(alloc_flags(model));
+  if (runs > 0 && !(body->run_fresh = sdr_alloc((size_t)bonds->run_count, 1)))
+    return SDR_RUN_FAILED;
+  if (loose > 0 && !(body->chunk_fresh = sdr_alloc((size_t)bonds->loose.chunk_count, 1)))
+    return SDR_RUN_FAILED;
+  model->booked = sdr_alloc((size_t)body->points->stripe_count, sizeof(double));
+  return model->booked ? SDR_OK : SDR_RUN_FAILED;
+}
+
+sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
+                                 const sdr_families *families, const sdr_bond_based_how *how,
+                                 sdr_model **out)
+{
+  sdr_bond_model *model = sdr_alloc(1, sizeof *model);
+  if (!model) {
+    sdr_bonds_destroy(&bonds);
+    return SDR_RUN_FAILED;
+  }
+  model->head = (sdr_model){&ops, points, bonds->directed};
+  model->bonds = bonds;
+  model->kernels = sdr_bond_kernels_best();
+  model->body = (sdr_bond_body){.points = points, .bonds = bonds, .law = how->law};
+  sdr_status status = set_constants(&model->body, families, how);
+  if (status == SDR_OK) status = alloc_history(model);
+  if (status != SDR_OK) {
+    destroy(&model->head);
+    return status;
+  }
+  *out = &model->head;
+  return SDR_OK;
+}
+
+/* ---- marks ----------------------------------------------------------------------------------- */
+
+typedef struct {
+  sdr_bond_model *model;
+  sdr_pair_mark mark;
+  const void *context;
+  int64_t cut; /* directed bonds */
+  int any_loose;
+} mark_call;
+
+static void mark_pair(void *context, const sdr_pair *pair)
+{
+  mark_call *call = context;
+  sdr_bond_body *body = &call->model->body;
+  const sdr_points *points = body->points;
+  double a[3] = {0.0}, b[3] = {0.0};
+  for (int c = 0; c < points->components; ++c) {
+    a[c] = points->x[c][pair->i];
+    b[c] = points->x[c][pair->j];
+  }
+  const int mark = call->mark(call->context, a, b);
+  if (mark == 0) return;
+  if (pair->loose) call->any_loose = 1;
+  if (body->law == SDR_LAW_VARIATIONAL)
+    (pair->loose ? body->loose_stretch : body->stretch)[pair->slot] =
+        mark == SDR_CUT ? SDR_STRETCH_CUT : SDR_STRETCH_PROTECTED;
+  else
+    (pair->loose ? body->loose_flags : body->flags)[pair->slot] =
+        (uint8_t)(mark == SDR_CUT ? SDR_CUT | SDR_LOST_I | SDR_LOST_J : SDR_PROTECTED);
+  if (mark == SDR_CUT && pair->primary)
+    call->cut += (pair->weight_ij > 0.0) + (pair->weight_ji > 0.0);
+}
+
+static int run_has_mark(const sdr_bond_body *body, const sdr_run *run)
+{
+  for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot)
+    if (body->stretch ? body->stretch[slot] < 0.0f : body->flags[slot] >= SDR_CUT) return 1;
+  return 0;
+}
+
+sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
+                               int64_t *cut_bonds)
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  sdr_bond_body *body = &bond->body;
+  if (body->law == SDR_LAW_NONE) SDR_TRY(alloc_flags(bond));
+  mark_call call = {.model = bond, .mark = mark, .context = context};
+  sdr_bonds_visit(bond->bonds, model->points, mark_pair, &call);
+  if (call.any_loose) body->loose_marked = 1;
+  if (bond->bonds->run_count > 0 && !body->run_marked) {
+    body->run_marked = sdr_alloc((size_t)bond->bonds->run_count, 1);
+    if (!body->run_marked) return SDR_RUN_FAILED;
+  }
+  for (int64_t r = 0; r < bond->bonds->run_count; ++r)
+    body->run_marked[r] = (uint8_t)run_has_mark(body, &bond->bonds->runs[r]);
+  *cut_bonds = call.cut;
+  return SDR_OK;
+}
+
+const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model)
+{
+  return ((const sdr_bond_model *)model)->bonds;
+}
+
+const char *sdr_bond_based_isa(const sdr_model *model)
+{
+  return ((const sdr_bond_model *)model)->kernels->name;
+}
+
+int sdr_bond_based_shared_moduli(const sdr_model *model)
+{
+  return ((const sdr_bond_model *)model)->body.stiffness_at == NULL;
+}
+
+size_t sdr_bond_based_history_bytes(const sdr_model *model)
+{
+  const sdr_bond_model *bond = (const sdr_bond_model *)model;
+  const size_t slots = (size_t)(bond->bonds->run_slots + bond->bonds->loose.slot_count);
+  return bond->body.law == SDR_LAW_VARIATIONAL                ? slots * sizeof(float)
+         : bond->body.flags != NULL || bond->body.loose_flags ? slots
+                                                              : 0;
+}

@@ -1,0 +1,38 @@
+/* Bond-based dual-horizon bodies: every directed bond i -> j (j in H_i) carries an energy with the
+   constants of i (theory sec. 1-4). */
+#ifndef SDR_MECHANICS_BOND_BASED_H
+#define SDR_MECHANICS_BOND_BASED_H
+
+#include "damage/calibration.h"
+#include "mechanics/model.h"
+#include "nom/bonds.h"
+
+typedef struct {
+  sdr_dimension dimension;
+  sdr_law law;
+  sdr_calibration_kind calibration;
+  sdr_length ell;          /* variational: relative to the point's horizon, or m */
+  const double *young;     /* Pa, a point */
+  const double *toughness; /* J/m^2, a material index */
+} sdr_bond_based_how;
+
+/* A body over the points; it takes the bonds over (and destroys them, even if it fails). The
+   families calibrate it; they and `how` are needed only here. Owner: the caller, through ops. */
+sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
+                                 const sdr_families *families, const sdr_bond_based_how *how,
+                                 sdr_model **out);
+
+/* Mark pairs before the run: `mark` gets both reference positions and returns SDR_CUT,
+   SDR_PROTECTED (damage/laws.h) or 0; it gives the same answer for a, b and b, a. *cut_bonds: how
+   many directed bonds are cut now. */
+typedef int (*sdr_pair_mark)(const void *context, const double a[3], const double b[3]);
+sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
+                               int64_t *cut_bonds);
+
+/* The bonds of the body, and what it keeps: for `check` and the summary. */
+const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model);
+const char *sdr_bond_based_isa(const sdr_model *model);
+int sdr_bond_based_shared_moduli(const sdr_model *model);
+size_t sdr_bond_based_history_bytes(const sdr_model *model);
+
+#endif

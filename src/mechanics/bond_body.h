@@ -1,0 +1,63 @@
+/* What the kernels of bond-based bodies read and write: arrays, and nothing else. */
+#ifndef SDR_MECHANICS_BOND_BODY_H
+#define SDR_MECHANICS_BOND_BODY_H
+
+#include "damage/laws.h"
+#include "nom/bonds.h"
+
+#include <stddef.h>
+
+/* Histories are indexed by slot. Which of them exist depends on the law: stretch with variational,
+   flags with critical_stretch and, if some pair is cut, with none. */
+typedef struct {
+  const sdr_points *points;
+  const sdr_bonds *bonds;
+  sdr_law law;
+  double stiffness, threshold;         /* C and q where all points share them */
+  double *stiffness_at, *threshold_at; /* a point; NULL: shared */
+  float *stretch, *loose_stretch;      /* k, or SDR_STRETCH_CUT, SDR_STRETCH_PROTECTED */
+  uint8_t *flags, *loose_flags;        /* SDR_LOST_I ... */
+  uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
+  int loose_marked;    /* 1 if some loose pair is */
+  uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
+} sdr_bond_body;
+
+/* Energies of a stripe. */
+typedef struct {
+  double stored, dissipated, max_damage;
+  int64_t broken;
+} sdr_stripe_energies;
+
+/* Runs [first, end): f += force. `commit` has the history take the state in. */
+typedef void (*sdr_run_force)(const sdr_bond_body *body, int64_t first, int64_t end,
+                              double *const u[3], double *const f[3]);
+/* Chunks [first, end) of loose points: f += force. */
+typedef void (*sdr_loose_force)(const sdr_bond_body *body, int64_t first, int64_t end,
+                                double *const u[3], double *const f[3]);
+typedef void (*sdr_run_energies)(const sdr_bond_body *body, int64_t first, int64_t end,
+                                 double *const u[3], sdr_stripe_energies *sum);
+
+/* The kernels of one instruction set. */
+typedef struct {
+  const char *name; /* "avx512", "avx2", "baseline" */
+  /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
+  sdr_run_force run_force[3][3][2][2];
+  sdr_loose_force loose_force[3][3][2][2];
+  sdr_run_energies run_energies[3][3][2];
+  /* f += K v with the tangent K of the reference shape, damage aside: [components - 1][moduli] */
+  sdr_run_force run_reference[3][2];
+} sdr_bond_kernels;
+
+extern const sdr_bond_kernels sdr_bond_kernels_baseline;
+#ifdef SDR_HAVE_X86_KERNELS
+extern const sdr_bond_kernels sdr_bond_kernels_avx2, sdr_bond_kernels_avx512;
+#endif
+
+/* The kernels for the best instruction set that this processor and sdr_isa_limit allow. */
+const sdr_bond_kernels *sdr_bond_kernels_best(void);
+
+/* Lower the instruction set: "avx512", "avx2", "baseline". SDR_BAD_INPUT for another name or one
+   that this processor lacks. */
+sdr_status sdr_isa_limit(const char *name);
+
+#endif

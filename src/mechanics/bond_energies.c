@@ -1,0 +1,167 @@
+/* Energies of bond-based bodies, and the books of bonds that critical stretch loses. */
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "mechanics/bond_internal.h"
+
+#include <string.h>
+
+typedef struct {
+  sdr_bond_model *model;
+  double *const *u;
+  sdr_stripe_energies *stripe;
+} energies_call;
+
+/* One loose slot: the directed bond i -> j of its own lane, so that each counts once. */
+static void energies_of_slot(const sdr_bond_body *body, const sdr_pair *pair, double *const u[3],
+                             sdr_stripe_energies *sum)
+{
+  if (pair->weight_ij <= 0.0) return;
+  const double s = sdr_pair_stretch(pair, body->points->components, u);
+  const double half = 0.5 * pair->weight_ij * sdr_body_stiffness(body, pair->i) * pair->length;
+  const double q = sdr_body_threshold(body, pair->i);
+  const sdr_pair_state state = sdr_pair_state_at(body, pair, s);
+  const double intact = 1.0 - state.damage_ij;
+  if (state.cut) return;
+  if (body->law == SDR_LAW_VARIATIONAL) {
+    sum->stored += half * (s > 0.0 ? intact * intact : 1.0) * s * s;
+    sum->dissipated += half * q * state.damage_ij * state.damage_ij;
+  } else {
+    sum->stored += half * intact * s * s;
+  }
+  sum->broken += state.damage_ij > 0.5;
+  if (state.damage_ij > sum->max_damage) sum->max_damage = state.damage_ij;
+}
+
+typedef struct {
+  const energies_call *call;
+  sdr_stripe_energies *sum;
+} slot_call;
+
+static void visit_slot(void *context, const sdr_pair *pair)
+{
+  const slot_call *slot = context;
+  if (pair->loose) energies_of_slot(&slot->call->model->body, pair, slot->call->u, slot->sum);
+}
+
+static void energies_of_stripe(void *context, int s)
+{
+  const energies_call *call = context;
+  sdr_bond_model *model = call->model;
+  const sdr_bonds *bonds = model->bonds;
+  const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
+  sdr_stripe_energies *sum = &call->stripe[s];
+  model->kernels->run_energies[model->body.law][n - 1][each](
+      &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
+  if (bonds->loose.chunk_count > 0) {
+    slot_call slot = {call, sum};
+    sdr_bonds_visit_stripe(bonds, model->head.points, s, visit_slot, &slot);
+  }
+  if (model->booked) sum->dissipated += model->booked[s];
+}
+
+void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out)
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  enum { MOST_STRIPES = 256 };
+  static _Thread_local sdr_stripe_energies stripe[MOST_STRIPES];
+  const int stripes = model->points->stripe_count;
+  memset(stripe, 0, sizeof stripe);
+  energies_call call = {bond, u, stripe};
+  sdr_parallel_for(0, stripes, 1, energies_of_stripe, &call);
+  *out = (sdr_energies){0};
+  for (int s = 0; s < stripes; ++s) {
+    out->stored += stripe[s].stored;
+    out->dissipated += stripe[s].dissipated;
+    out->broken += stripe[s].broken;
+    if (stripe[s].max_damage > out->max_damage) out->max_damage = stripe[s].max_damage;
+  }
+}
+
+/* ---- bonds lost ------------------------------------------------------------------------------ */
+
+typedef struct {
+  sdr_bond_model *model;
+  double *const *u, *const *v;
+  double dt, sum;
+} book_call;
+
+/* Stretch before the step: at u - dt v. */
+static double stretch_before(const sdr_pair *pair, int components, const book_call *call)
+{
+  if (!call->v) return sdr_pair_stretch(pair, components, call->u);
+  double before[3][2], *u[3] = {NULL};
+  sdr_pair local = *pair;
+  local.i = 0;
+  local.j = 1;
+  for (int a = 0; a < components; ++a) {
+    before[a][0] = call->u[a][pair->i] - call->dt * call->v[a][pair->i];
+    before[a][1] = call->u[a][pair->j] - call->dt * call->v[a][pair->j];
+    u[a] = before[a];
+  }
+  return sdr_pair_stretch(&local, components, u);
+}
+
+/* Leapfrog loses 1/2 C |xi| s_n s_(n+1) with a bond (theory sec. 4). */
+static void book_pair(book_call *call, const sdr_pair *pair, uint8_t *flags)
+{
+  const unsigned fresh = *flags & (SDR_FRESH_I | SDR_FRESH_J);
+  if (!fresh) return;
+  *flags = (uint8_t)(*flags & ~(SDR_FRESH_I | SDR_FRESH_J));
+  const sdr_bond_body *body = &call->model->body;
+  const int n = body->points->components;
+  const double product = sdr_pair_stretch(pair, n, call->u) * stretch_before(pair, n, call);
+  /* A loose slot books the half of its own lane; the other half is booked in j's lane. */
+  const double half = 0.5 * pair->length * product;
+  if (fresh & SDR_FRESH_I) call->sum += half * pair->weight_ij * sdr_body_stiffness(body, pair->i);
+  if (fresh & SDR_FRESH_J && !pair->loose)
+    call->sum += half * pair->weight_ji * sdr_body_stiffness(body, pair->j);
+}
+
+static void book_run(book_call *call, const sdr_run *run)
+{
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+  sdr_pair pair = {.xi = {class->xi[0], class->xi[1], class->xi[2]},
+                   .length = class->length,
+                   .weight_ij = class->weight_ij,
+                   .weight_ji = class->weight_ji};
+  for (int32_t k = 0; k < run->length; ++k) {
+    pair.i = run->i0 + k;
+    pair.j = run->j0 + k;
+    pair.slot = run->slot + k;
+    book_pair(call, &pair, body->flags + pair.slot);
+  }
+}
+
+static void book_loose(void *context, const sdr_pair *pair)
+{
+  book_call *call = context;
+  if (pair->loose) book_pair(call, pair, call->model->body.loose_flags + pair->slot);
+}
+
+static int any_fresh_chunk(const sdr_bond_body *body, int s)
+{
+  int64_t chunk, end;
+  sdr_stripe_chunks(body, s, &chunk, &end);
+  /* A stripe's first points may lie in a chunk that starts in the stripe before. */
+  if (end > 0 && chunk > 0) --chunk;
+  for (; chunk < end; ++chunk)
+    if (body->chunk_fresh[chunk]) return 1;
+  return 0;
+}
+
+void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt)
+{
+  sdr_bond_body *body = &model->body;
+  const sdr_bonds *bonds = model->bonds;
+  book_call call = {model, u, v, dt, 0.0};
+  for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
+    if (!body->run_fresh[r]) continue;
+    book_run(&call, &bonds->runs[r]);
+    body->run_fresh[r] = 0;
+  }
+  if (bonds->loose.chunk_count > 0 && any_fresh_chunk(body, s))
+    for (int32_t i = body->points->stripe_first[s]; i < body->points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, book_loose, &call);
+  model->booked[s] += call.sum;
+}

@@ -1,0 +1,56 @@
+/* Shared by the files that make up the bond-based model. */
+#ifndef SDR_MECHANICS_BOND_INTERNAL_H
+#define SDR_MECHANICS_BOND_INTERNAL_H
+
+#include "mechanics/bond_based.h"
+#include "mechanics/bond_body.h"
+
+typedef struct {
+  sdr_model head;
+  sdr_bonds *bonds;
+  sdr_bond_body body;
+  const sdr_bond_kernels *kernels;
+  double *booked; /* a stripe: energy of bonds lost so far, J (critical_stretch) */
+} sdr_bond_model;
+
+/* C and q of point i. */
+static inline double sdr_body_stiffness(const sdr_bond_body *body, int32_t i)
+{
+  return body->stiffness_at ? body->stiffness_at[i] : body->stiffness;
+}
+static inline double sdr_body_threshold(const sdr_bond_body *body, int32_t i)
+{
+  return body->threshold_at ? body->threshold_at[i] : body->threshold;
+}
+
+/* Stretch of a pair at u. */
+double sdr_pair_stretch(const sdr_pair *pair, int components, double *const u[3]);
+
+/* What the history says of a pair, taking in its present stretch s. */
+typedef struct {
+  double damage_ij, damage_ji; /* 1: lost or cut */
+  int cut, is_protected;
+} sdr_pair_state;
+sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s);
+
+/* Loose chunks of a stripe: [*first, *end). */
+void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end);
+
+/* Call task for even stripes, then for odd ones, in parallel: pairs write to at most the next. */
+void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context);
+
+/* Parts of the model in their own files. */
+void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out);
+sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out);
+void sdr_bond_visit_damage(sdr_model *model, double *const u[3],
+                           void (*visit)(void *context, int32_t i, int32_t j, double damage),
+                           void *context);
+void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *const out[3]);
+sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
+                                  double *const out[3]);
+sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
+
+/* Book the energy of freshly lost bonds of stripe s (critical_stretch). */
+void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt);
+
+#endif

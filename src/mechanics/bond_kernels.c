@@ -1,0 +1,78 @@
+/* The instances of the bond loops, and their table. Compiled once for each instruction set. */
+#include "mechanics/bond_loop.h"
+
+#ifndef SDR_ISA
+#define SDR_ISA baseline
+#endif
+#define SDR_JOIN_(a, b) a##b
+#define SDR_JOIN(a, b) SDR_JOIN_(a, b)
+#define SDR_TEXT_(a) #a
+#define SDR_TEXT(a) SDR_TEXT_(a)
+
+/* One force instance: law, components, moduli a point, commit. */
+#define SDR_FORCE(law, code, n, each, commit)                                                      \
+  static void force_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
+                                              int64_t end, double *const u[3], double *const f[3]) \
+  {                                                                                                \
+    force_of_runs(n, code, each, commit, body, first, end, u, f);                                  \
+  }                                                                                                \
+  static void loose_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
+                                              int64_t end, double *const u[3], double *const f[3]) \
+  {                                                                                                \
+    force_of_loose(n, code, each, commit, body, first, end, u, f);                                 \
+  }
+#define SDR_ENERGIES(law, code, n, each)                                                           \
+  static void energies_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \
+                                         double *const u[3], sdr_stripe_energies *sum)             \
+  {                                                                                                \
+    energies_of_runs(n, code, each, body, first, end, u, sum);                                     \
+  }
+#define SDR_REFERENCE(n, each)                                                                     \
+  static void reference_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,           \
+                                  double *const v[3], double *const f[3])                          \
+  {                                                                                                \
+    reference_of_runs(n, each, body, first, end, v, f);                                            \
+  }
+#define SDR_EACH_MODULI(law, code, n)                                                              \
+  SDR_FORCE(law, code, n, 0, 0)                                                                    \
+  SDR_FORCE(law, code, n, 0, 1)                                                                    \
+  SDR_FORCE(law, code, n, 1, 0)                                                                    \
+  SDR_FORCE(law, code, n, 1, 1)                                                                    \
+  SDR_ENERGIES(law, code, n, 0)                                                                    \
+  SDR_ENERGIES(law, code, n, 1)
+#define SDR_EACH_DIMENSION(law, code)                                                              \
+  SDR_EACH_MODULI(law, code, 1)                                                                    \
+  SDR_EACH_MODULI(law, code, 2)                                                                    \
+  SDR_EACH_MODULI(law, code, 3)
+
+SDR_LAWS(SDR_EACH_DIMENSION)
+SDR_REFERENCE(1, 0)
+SDR_REFERENCE(1, 1)
+SDR_REFERENCE(2, 0)
+SDR_REFERENCE(2, 1)
+SDR_REFERENCE(3, 0)
+SDR_REFERENCE(3, 1)
+
+#define SDR_ROW(kind, law, n)                                                                      \
+  {                                                                                                \
+    {kind##_##law##_##n##00, kind##_##law##_##n##01},                                              \
+    {                                                                                              \
+      kind##_##law##_##n##10, kind##_##law##_##n##11                                               \
+    }                                                                                              \
+  }
+#define SDR_FORCE_ROW(law, code)                                                                   \
+  [code] = {SDR_ROW(force, law, 1), SDR_ROW(force, law, 2), SDR_ROW(force, law, 3)},
+#define SDR_LOOSE_ROW(law, code)                                                                   \
+  [code] = {SDR_ROW(loose, law, 1), SDR_ROW(loose, law, 2), SDR_ROW(loose, law, 3)},
+#define SDR_ENERGIES_ROW(law, code)                                                                \
+  [code] = {{energies_##law##_10, energies_##law##_11},                                            \
+            {energies_##law##_20, energies_##law##_21},                                            \
+            {energies_##law##_30, energies_##law##_31}},
+
+const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
+    .name = SDR_TEXT(SDR_ISA),
+    .run_force = {SDR_LAWS(SDR_FORCE_ROW)},
+    .loose_force = {SDR_LAWS(SDR_LOOSE_ROW)},
+    .run_energies = {SDR_LAWS(SDR_ENERGIES_ROW)},
+    .run_reference = {
+        {reference_10, reference_11}, {reference_20, reference_21}, {reference_30, reference_31}}};

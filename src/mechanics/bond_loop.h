@@ -1,0 +1,385 @@
+/* The loops over bonds, written once. `components`, `law`, `each` (moduli a point), `marked` and
+   `commit` are literals where these functions are instantiated (bond_kernels.c), so that nothing of
+   what a scene does not need is left in the loop. */
+#ifndef SDR_MECHANICS_BOND_LOOP_H
+#define SDR_MECHANICS_BOND_LOOP_H
+
+#include "mechanics/bond_body.h"
+
+#include <math.h>
+
+#define SDR_INLINE static inline __attribute__((always_inline))
+
+/* Pairs a block: its forces wait in the first-level cache. */
+enum { SDR_BLOCK = 256 };
+
+/* A block of a run's pairs: pointers to the first pair's points and slot. */
+typedef struct {
+  const double *ui[3], *uj[3];
+  double *fi[3], *fj[3];
+  const double *ci, *cj, *qi, *qj;
+  float *stretch;
+  uint8_t *flags;
+  int count;
+} sdr_block;
+
+SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body, const sdr_run *run,
+                              int32_t start, double *const u[3], double *const f[3])
+{
+  const int64_t i = run->i0 + start, j = run->j0 + start, slot = run->slot + start;
+  sdr_block block = {0};
+  for (int a = 0; a < components; ++a) {
+    block.ui[a] = u[a] + i;
+    block.uj[a] = u[a] + j;
+    if (f) {
+      block.fi[a] = f[a] + i;
+      block.fj[a] = f[a] + j;
+    }
+  }
+  if (body->stiffness_at) {
+    block.ci = body->stiffness_at + i;
+    block.cj = body->stiffness_at + j;
+    block.qi = body->threshold_at + i;
+    block.qj = body->threshold_at + j;
+  }
+  if (body->stretch) block.stretch = body->stretch + slot;
+  if (body->flags) block.flags = body->flags + slot;
+  block.count = run->length - start < SDR_BLOCK ? run->length - start : SDR_BLOCK;
+  return block;
+}
+
+/* Kinematics of a pair without cancellation (theory sec. 2): z = (2 xi.eta + eta^2)/xi^2,
+   r = sqrt(1 + z) = l/|xi|, stretch s = z/(1 + r), force factor z/(r (1 + r)) = s/r. */
+typedef struct {
+  double s, factor;
+} sdr_stretch;
+
+SDR_INLINE sdr_stretch stretch_of(double z)
+{
+  const double square = 1.0 + z;
+  const double r = sqrt(square > 1e-200 ? square : 1e-200); /* l = 0: no direction, no force */
+  const double factor = z / (r * (1.0 + r));
+  return (sdr_stretch){factor * r, factor};
+}
+
+/* Stiffness that a pair of the variational law has left, from its stretch and history. */
+SDR_INLINE double variational_stiffness(const int marked, double s, float k, double ci, double qi,
+                                        double cj, double qj)
+{
+  const double kk = (double)k * (double)k;
+  const double soft = sdr_variational_pair(kk, ci, qi, cj, qj), whole = ci + cj;
+  double left = s > 0.0 ? soft : whole;
+  if (marked) {
+    left = k == SDR_STRETCH_PROTECTED ? whole : left;
+    left = k == SDR_STRETCH_CUT ? 0.0 : left;
+  }
+  return left;
+}
+
+/* The history that a stretch leaves behind. */
+SDR_INLINE float grown_stretch(const int marked, float before, double s)
+{
+  const float now = (float)s;
+  const float grown = before > now ? before : now;
+  if (marked) return before < 0.0f ? before : grown;
+  return grown;
+}
+
+/* Lost halves after the stretch s, fresh ones marked. */
+SDR_INLINE uint8_t grown_flags(const int marked, uint8_t before, double s, double qi, double qj)
+{
+  const unsigned broken = (sdr_critical_breaks(s, qi) ? SDR_LOST_I : 0u) |
+                          (sdr_critical_breaks(s, qj) ? SDR_LOST_J : 0u);
+  const unsigned fresh = broken & ~(unsigned)before;
+  const uint8_t grown = (uint8_t)(before | fresh | fresh << 2);
+  if (marked) return before & SDR_PROTECTED ? before : grown;
+  return grown;
+}
+
+/* Forces of a block into F, component-major; returns 1 if a bond was lost in it. */
+SDR_INLINE int block_force(const int components, const int law, const int each, const int marked,
+                           const int commit, const sdr_bond_body *body, const sdr_block *block,
+                           const sdr_bond_class *class, double F[3][SDR_BLOCK])
+{
+  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
+  const double inverse = 1.0 / (class->length * class->length);
+  const double wij = class->weight_ij / class->length, wji = class->weight_ji / class->length;
+  const double c = body->stiffness, q = body->threshold;
+  const double *const ux = block->ui[0], *const vx = block->uj[0];
+  const double *const uy = block->ui[1], *const vy = block->uj[1];
+  const double *const uz = block->ui[2], *const vz = block->uj[2];
+  unsigned fresh = 0;
+#pragma omp simd reduction(| : fresh)
+  for (int k = 0; k < block->count; ++k) {
+    const double ex = vx[k] - ux[k];
+    const double ey = components > 1 ? vy[k] - uy[k] : 0.0;
+    const double ez = components > 2 ? vz[k] - uz[k] : 0.0;
+    double z = (2.0 * xx + ex) * ex;
+    if (components > 1) z += (2.0 * xy + ey) * ey;
+    if (components > 2) z += (2.0 * xz + ez) * ez;
+    const sdr_stretch t = stretch_of(z * inverse);
+    const double ci = wij * (each ? block->ci[k] : c), cj = wji * (each ? block->cj[k] : c);
+    const double qi = each ? block->qi[k] : q, qj = each ? block->qj[k] : q;
+    double stiffness = ci + cj;
+    if (law == SDR_LAW_VARIATIONAL) {
+      const float grown = grown_stretch(marked, block->stretch[k], t.s);
+      if (commit) block->stretch[k] = grown;
+      if (each) {
+        stiffness = variational_stiffness(marked, t.s, grown, ci, qi, cj, qj);
+      } else {
+        stiffness = variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
+      }
+    } else if (law == SDR_LAW_CRITICAL_STRETCH) {
+      const uint8_t grown = grown_flags(marked, block->flags[k], t.s, qi, qj);
+      if (commit) {
+        block->flags[k] = grown;
+        fresh |= grown;
+      }
+      stiffness = (grown & SDR_LOST_I ? 0.0 : ci) + (grown & SDR_LOST_J ? 0.0 : cj);
+    } else if (marked) {
+      stiffness = block->flags[k] & SDR_CUT ? 0.0 : stiffness;
+    }
+    const double phi = stiffness * t.factor;
+    F[0][k] = phi * (xx + ex);
+    if (components > 1) F[1][k] = phi * (xy + ey);
+    if (components > 2) F[2][k] = phi * (xz + ez);
+  }
+  return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
+}
+
+/* i and j sides apart, since a run along its own row overlaps itself. */
+SDR_INLINE void add_block(const int components, const sdr_block *block, double F[3][SDR_BLOCK])
+{
+  for (int a = 0; a < components; ++a) {
+    double *const fi = block->fi[a], *const fj = block->fj[a];
+    const double *const force = F[a];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fi[k] += force[k];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fj[k] -= force[k];
+  }
+}
+
+SDR_INLINE void force_of_runs(const int components, const int law, const int each, const int commit,
+                              const sdr_bond_body *body, int64_t first, int64_t end,
+                              double *const u[3], double *const f[3])
+{
+  _Alignas(64) double F[3][SDR_BLOCK];
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+    const int marked = body->run_marked && body->run_marked[r];
+    int fresh = 0;
+    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
+      const sdr_block block = block_at(components, body, run, start, u, f);
+      if (marked)
+        fresh |= block_force(components, law, each, 1, commit, body, &block, class, F);
+      else
+        fresh |= block_force(components, law, each, 0, commit, body, &block, class, F);
+      add_block(components, &block, F);
+    }
+    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;
+  }
+}
+
+/* ---- the reference tangent, for the stable step ---------------------------------------------- */
+
+SDR_INLINE void reference_of_runs(const int components, const int each, const sdr_bond_body *body,
+                                  int64_t first, int64_t end, double *const v[3],
+                                  double *const f[3])
+{
+  _Alignas(64) double F[3][SDR_BLOCK];
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+    const double cube = class->length * class->length * class->length;
+    const double wij = class->weight_ij / cube, wji = class->weight_ji / cube;
+    const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
+    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
+      const sdr_block b = block_at(components, body, run, start, v, f);
+#pragma omp simd
+      for (int k = 0; k < b.count; ++k) {
+        double along = xx * (b.uj[0][k] - b.ui[0][k]);
+        if (components > 1) along += xy * (b.uj[1][k] - b.ui[1][k]);
+        if (components > 2) along += xz * (b.uj[2][k] - b.ui[2][k]);
+        const double stiffness =
+            each ? wij * b.ci[k] + wji * b.cj[k] : (wij + wji) * body->stiffness;
+        F[0][k] = stiffness * along * xx;
+        if (components > 1) F[1][k] = stiffness * along * xy;
+        if (components > 2) F[2][k] = stiffness * along * xz;
+      }
+      /* Opposite sign of a force: K v = -df. */
+      for (int a = 0; a < components; ++a)
+        for (int k = 0; k < b.count; ++k) F[a][k] = -F[a][k];
+      add_block(components, &b, F);
+    }
+  }
+}
+
+/* ---- energies -------------------------------------------------------------------------------- */
+
+/* Energies of one directed bond with elastic energy `half` s^2, half = 1/2 w C |xi|. */
+typedef struct {
+  double stored, dissipated, damage;
+} sdr_directed_energy;
+
+SDR_INLINE sdr_directed_energy variational_energy(const int marked, double half, double s, float k,
+                                                  double q)
+{
+  const double intact = sdr_variational_intact((double)k * (double)k, q), damage = 1.0 - intact;
+  const double left = s > 0.0 ? intact * intact : 1.0;
+  sdr_directed_energy e = {half * left * s * s, half * q * damage * damage, damage};
+  if (marked) {
+    e.stored = k == SDR_STRETCH_CUT ? 0.0 : k == SDR_STRETCH_PROTECTED ? half * s * s : e.stored;
+    e.dissipated = k < 0.0f ? 0.0 : e.dissipated;
+    e.damage = k < 0.0f ? 0.0 : e.damage;
+  }
+  return e;
+}
+
+SDR_INLINE sdr_directed_energy flag_energy(double half, double s, uint8_t flags, int lost)
+{
+  const int gone = flags & lost;
+  return (sdr_directed_energy){gone ? 0.0 : half * s * s, 0.0,
+                               gone && !(flags & SDR_CUT) ? 1.0 : 0.0};
+}
+
+SDR_INLINE void energies_of_block(const int components, const int law, const int each,
+                                  const int marked, const sdr_bond_body *body, const sdr_block *b,
+                                  const sdr_bond_class *class, sdr_stripe_energies *sum)
+{
+  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
+  const double inverse = 1.0 / (class->length * class->length);
+  const double wij = 0.5 * class->weight_ij * class->length;
+  const double wji = 0.5 * class->weight_ji * class->length;
+  const double ni = wij > 0.0 ? 1.0 : 0.0, nj = wji > 0.0 ? 1.0 : 0.0; /* bond present */
+  double stored = 0.0, dissipated = 0.0, most = sum->max_damage, broken = 0.0;
+#pragma omp simd reduction(+ : stored, dissipated, broken) reduction(max : most)
+  for (int k = 0; k < b->count; ++k) {
+    const double ex = b->uj[0][k] - b->ui[0][k];
+    const double ey = components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0;
+    const double ez = components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0;
+    double z = (2.0 * xx + ex) * ex;
+    if (components > 1) z += (2.0 * xy + ey) * ey;
+    if (components > 2) z += (2.0 * xz + ez) * ez;
+    const double s = stretch_of(z * inverse).s;
+    const double hi = wij * (each ? b->ci[k] : body->stiffness);
+    const double hj = wji * (each ? b->cj[k] : body->stiffness);
+    const double qi = each ? b->qi[k] : body->threshold, qj = each ? b->qj[k] : body->threshold;
+    sdr_directed_energy i = {hi * s * s, 0.0, 0.0}, j = {hj * s * s, 0.0, 0.0};
+    if (law == SDR_LAW_VARIATIONAL) {
+      const float grown = grown_stretch(marked, b->stretch[k], s);
+      i = variational_energy(marked, hi, s, grown, qi);
+      j = variational_energy(marked, hj, s, grown, qj);
+    } else if (law == SDR_LAW_CRITICAL_STRETCH || marked) {
+      /* critical_stretch breaks in commit: the energies are those of the present bonds */
+      i = flag_energy(hi, s, b->flags[k], SDR_LOST_I);
+      j = flag_energy(hj, s, b->flags[k], SDR_LOST_J);
+    }
+    stored += i.stored + j.stored;
+    dissipated += i.dissipated + j.dissipated;
+    broken += (i.damage > 0.5 ? ni : 0.0) + (j.damage > 0.5 ? nj : 0.0);
+    const double larger = ni * i.damage > nj * j.damage ? ni * i.damage : nj * j.damage;
+    most = most > larger ? most : larger;
+  }
+  sum->stored += stored;
+  sum->dissipated += dissipated;
+  sum->broken += (int64_t)broken;
+  sum->max_damage = most;
+}
+
+SDR_INLINE void energies_of_runs(const int components, const int law, const int each,
+                                 const sdr_bond_body *body, int64_t first, int64_t end,
+                                 double *const u[3], sdr_stripe_energies *sum)
+{
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+    const int marked = body->run_marked && body->run_marked[r];
+    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
+      const sdr_block block = block_at(components, body, run, start, u, NULL);
+      if (marked)
+        energies_of_block(components, law, each, 1, body, &block, class, sum);
+      else
+        energies_of_block(components, law, each, 0, body, &block, class, sum);
+    }
+  }
+}
+
+/* ---- loose pairs: both points gather --------------------------------------------------------- */
+
+SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
+                               const int marked, const int commit, const sdr_bond_body *body,
+                               int64_t chunk, double *const u[3], double *const f[3])
+{
+  const sdr_loose *loose = &body->bonds->loose;
+  const int64_t first = loose->chunk_slot[chunk], end = loose->chunk_slot[chunk + 1];
+  const int64_t point = chunk * SDR_LANES;
+  const double c = body->stiffness, q = body->threshold;
+  _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
+  unsigned fresh = 0;
+  for (int64_t column = first; column < end; column += SDR_LANES) {
+    const int32_t *const restrict neighbour = loose->j + column;
+#pragma omp simd reduction(| : fresh)
+    for (int lane = 0; lane < SDR_LANES; ++lane) {
+      const int64_t slot = column + lane, i = point + lane;
+      const int32_t j = neighbour[lane];
+      const double xx = loose->xi[0][slot];
+      const double xy = components > 1 ? loose->xi[1][slot] : 0.0;
+      const double xz = components > 2 ? loose->xi[2][slot] : 0.0;
+      const double ex = u[0][j] - u[0][i];
+      const double ey = components > 1 ? u[1][j] - u[1][i] : 0.0;
+      const double ez = components > 2 ? u[2][j] - u[2][i] : 0.0;
+      double z = (2.0 * xx + ex) * ex, square = xx * xx;
+      if (components > 1) {
+        z += (2.0 * xy + ey) * ey;
+        square += xy * xy;
+      }
+      if (components > 2) {
+        z += (2.0 * xz + ez) * ez;
+        square += xz * xz;
+      }
+      const sdr_stretch t = stretch_of(z / square);
+      const double ci = loose->weight_ij[slot] * (each ? body->stiffness_at[i] : c);
+      const double cj = loose->weight_ji[slot] * (each ? body->stiffness_at[j] : c);
+      const double qi = each ? body->threshold_at[i] : q, qj = each ? body->threshold_at[j] : q;
+      double stiffness = ci + cj;
+      if (law == SDR_LAW_VARIATIONAL) {
+        const float grown = grown_stretch(marked, body->loose_stretch[slot], t.s);
+        if (commit) body->loose_stretch[slot] = grown;
+        stiffness = each ? variational_stiffness(marked, t.s, grown, ci, qi, cj, qj)
+                         : variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
+      } else if (law == SDR_LAW_CRITICAL_STRETCH) {
+        const uint8_t grown = grown_flags(marked, body->loose_flags[slot], t.s, qi, qj);
+        if (commit) {
+          body->loose_flags[slot] = grown;
+          fresh |= grown;
+        }
+        stiffness = (grown & SDR_LOST_I ? 0.0 : ci) + (grown & SDR_LOST_J ? 0.0 : cj);
+      } else if (marked) {
+        stiffness = body->loose_flags[slot] & SDR_CUT ? 0.0 : stiffness;
+      }
+      const double phi = stiffness * t.factor / sqrt(square);
+      sum[0][lane] += phi * (xx + ex);
+      if (components > 1) sum[1][lane] += phi * (xy + ey);
+      if (components > 2) sum[2][lane] += phi * (xz + ez);
+    }
+  }
+  for (int a = 0; a < components; ++a)
+    for (int lane = 0; lane < SDR_LANES; ++lane) f[a][point + lane] += sum[a][lane];
+  if (law == SDR_LAW_CRITICAL_STRETCH && commit && (fresh & (SDR_FRESH_I | SDR_FRESH_J)))
+    body->chunk_fresh[chunk] = 1;
+}
+
+SDR_INLINE void force_of_loose(const int components, const int law, const int each,
+                               const int commit, const sdr_bond_body *body, int64_t first,
+                               int64_t end, double *const u[3], double *const f[3])
+{
+  for (int64_t chunk = first; chunk < end; ++chunk)
+    if (body->loose_marked)
+      force_of_chunk(components, law, each, 1, commit, body, chunk, u, f);
+    else
+      force_of_chunk(components, law, each, 0, commit, body, chunk, u, f);
+}
+
+#endif

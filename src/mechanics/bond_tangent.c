@@ -1,0 +1,171 @@
+/* Tangents of bond-based bodies: of the reference shape, and the exact one at any state. */
+#include "base/parallel.h"
+#include "mechanics/bond_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+  sdr_bond_model *model;
+  double *const *u, *const *v, *const *out;
+  double *diagonal;
+} tangent_call;
+
+static void clear(const sdr_points *points, double *const out[3])
+{
+  for (int a = 0; a < points->components; ++a)
+    memset(out[a], 0, (size_t)points->count * sizeof(double));
+}
+
+/* ---- reference ------------------------------------------------------------------------------- */
+
+static void reference_of_pair(void *context, const sdr_pair *pair)
+{
+  const tangent_call *call = context;
+  const sdr_bond_body *body = &call->model->body;
+  const int n = body->points->components;
+  if (!pair->loose) return; /* runs have a kernel */
+  const double stiffness = pair->weight_ij * sdr_body_stiffness(body, pair->i) +
+                           pair->weight_ji * sdr_body_stiffness(body, pair->j);
+  double along = 0.0;
+  for (int a = 0; a < n; ++a) along += pair->xi[a] * (call->v[a][pair->j] - call->v[a][pair->i]);
+  along *= stiffness / (pair->length * pair->length * pair->length);
+  for (int a = 0; a < n; ++a) call->out[a][pair->i] -= along * pair->xi[a];
+}
+
+static void reference_of_stripe(void *context, int s)
+{
+  const tangent_call *call = context;
+  const sdr_bond_model *model = call->model;
+  const sdr_bonds *bonds = model->bonds;
+  const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
+  model->kernels->run_reference[n - 1][each](&model->body, bonds->stripe_run[s],
+                                             bonds->stripe_run[s + 1], call->v, call->out);
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = model->head.points->stripe_first[s];
+         i < model->head.points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, reference_of_pair, context);
+}
+
+void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *const out[3])
+{
+  tangent_call call = {.model = (sdr_bond_model *)model, .v = v, .out = out};
+  clear(model->points, out);
+  sdr_each_stripe(model->points, reference_of_stripe, &call);
+}
+
+/* ---- exact ----------------------------------------------------------------------------------- */
+
+/* Force F(s) of one directed bond and its slope dF/ds, both over w C. */
+static void directed_law(const sdr_bond_body *body, const sdr_pair *pair, int lost, double s,
+                         double q, double *force, double *slope)
+{
+  const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
+  const uint8_t *flags = pair->loose ? body->loose_flags : body->flags;
+  *force = s;
+  *slope = 1.0;
+  if (body->law != SDR_LAW_VARIATIONAL) {
+    if (!flags) return;
+    uint8_t flag = flags[pair->slot];
+    if (body->law == SDR_LAW_CRITICAL_STRETCH && !(flag & SDR_PROTECTED) &&
+        sdr_critical_breaks(s, q))
+      flag = (uint8_t)(flag | lost); /* as the force sees it */
+    if (flag & lost) *force = *slope = 0.0;
+    return;
+  }
+  const float k = stretch[pair->slot];
+  if (k == SDR_STRETCH_CUT) *force = *slope = 0.0;
+  if (k < 0.0f || s <= 0.0) return;
+  const int loading = (float)s >= k;
+  const double largest = loading ? (double)(float)s : (double)k, kk = largest * largest;
+  const double intact = sdr_variational_intact(kk, q);
+  *force = intact * intact * s;
+  *slope = loading ? sdr_variational_tangent(kk, q) : intact * intact;
+}
+
+/* K = A n (x) n + B (I - n (x) n) of a pair: A = dF/dl, B = F/l. Gives l = 0 no stiffness. */
+static void pair_tangent(const tangent_call *call, const sdr_pair *pair, double n[3], double *a,
+                         double *b)
+{
+  const sdr_bond_body *body = &call->model->body;
+  const int components = body->points->components;
+  const double s = sdr_pair_stretch(pair, components, call->u);
+  double force_i, slope_i, force_j, slope_j, l = 0.0;
+  directed_law(body, pair, SDR_LOST_I, s, sdr_body_threshold(body, pair->i), &force_i, &slope_i);
+  directed_law(body, pair, SDR_LOST_J, s, sdr_body_threshold(body, pair->j), &force_j, &slope_j);
+  const double ci = pair->weight_ij * sdr_body_stiffness(body, pair->i);
+  const double cj = pair->weight_ji * sdr_body_stiffness(body, pair->j);
+  for (int c = 0; c < components; ++c) {
+    n[c] = pair->xi[c] + call->u[c][pair->j] - call->u[c][pair->i];
+    l += n[c] * n[c];
+  }
+  l = sqrt(l);
+  *a = *b = 0.0;
+  if (l <= 0.0) return;
+  for (int c = 0; c < components; ++c) n[c] /= l;
+  *a = (ci * slope_i + cj * slope_j) / pair->length;
+  *b = (ci * force_i + cj * force_j) / l;
+}
+
+static void tangent_of_pair(void *context, const sdr_pair *pair)
+{
+  const tangent_call *call = context;
+  const int components = call->model->head.points->components;
+  double n[3], a, b, dv[3], along = 0.0;
+  pair_tangent(call, pair, n, &a, &b);
+  for (int c = 0; c < components; ++c) {
+    dv[c] = call->v[c][pair->j] - call->v[c][pair->i];
+    along += n[c] * dv[c];
+  }
+  for (int c = 0; c < components; ++c) {
+    const double k = b * dv[c] + (a - b) * along * n[c];
+    call->out[c][pair->i] -= k;
+    if (!pair->loose) call->out[c][pair->j] += k;
+  }
+}
+
+static void tangent_of_stripe(void *context, int s)
+{
+  const tangent_call *call = context;
+  sdr_bonds_visit_stripe(call->model->bonds, call->model->head.points, s, tangent_of_pair, context);
+}
+
+sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
+                                  double *const out[3])
+{
+  tangent_call call = {.model = (sdr_bond_model *)model, .u = u, .v = v, .out = out};
+  clear(model->points, out);
+  sdr_each_stripe(model->points, tangent_of_stripe, &call);
+  return SDR_OK;
+}
+
+static void diagonal_of_pair(void *context, const sdr_pair *pair)
+{
+  const tangent_call *call = context;
+  const int m = call->model->head.points->components;
+  double n[3], a, b;
+  pair_tangent(call, pair, n, &a, &b);
+  for (int r = 0; r < m; ++r)
+    for (int c = 0; c < m; ++c) {
+      const double k = (r == c ? b : 0.0) + (a - b) * n[r] * n[c];
+      call->diagonal[(size_t)pair->i * (size_t)(m * m) + (size_t)(r * m + c)] += k;
+      if (!pair->loose)
+        call->diagonal[(size_t)pair->j * (size_t)(m * m) + (size_t)(r * m + c)] += k;
+    }
+}
+
+static void diagonal_of_stripe(void *context, int s)
+{
+  const tangent_call *call = context;
+  sdr_bonds_visit_stripe(call->model->bonds, call->model->head.points, s, diagonal_of_pair,
+                         context);
+}
+
+sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], double *out)
+{
+  const int m = model->points->components;
+  tangent_call call = {.model = (sdr_bond_model *)model, .u = u, .diagonal = out};
+  memset(out, 0, (size_t)model->points->count * (size_t)(m * m) * sizeof *out);
+  sdr_each_stripe(model->points, diagonal_of_stripe, &call);
+  return SDR_OK;
+}
