@@ -10,7 +10,7 @@ typedef struct {
   double low[3], high[3];
 } box;
 
-/* A box around two places, never empty, in the first `components`. */
+/* Whether the box around two places meets another, in the first `components`. */
 static int meets(const box *around, const double a[3], const double b[3], int components)
 {
   for (int c = 0; c < components; ++c) {

@@ -86,13 +86,13 @@ int sdr_shape_has_face(const sdr_shape *shape, const char *name)
   return shape && find_face(shape, name, 0, &found) == 1;
 }
 
-/* Whether the blank-separated list holds the word. */
+/* Whether the list "a, b" holds the word. */
 static int listed(const char *list, const char *word)
 {
   const size_t length = strlen(word);
   for (const char *at = strstr(list, word); at; at = strstr(at + 1, word)) {
     const int starts = at == list || at[-1] == ' ';
-    if (starts && (at[length] == ' ' || at[length] == '\0')) return 1;
+    if (starts && (at[length] == ',' || at[length] == '\0')) return 1;
   }
   return 0;
 }
@@ -103,7 +103,7 @@ static void list_faces(const sdr_shape *shape, char *text, size_t size)
   for (int k = 0; k < FACE_NAMES && names[k]; ++k) {
     const size_t used = strlen(text);
     if (!has_extent(shape, k) || listed(text, names[k])) continue;
-    snprintf(text + used, size - used, "%s%s", used ? " " : "", names[k]);
+    snprintf(text + used, size - used, "%s%s", used ? ", " : "", names[k]);
   }
   for (int k = 0; k < shape->part_count; ++k) list_faces(&shape->parts[k], text, size);
 }
@@ -351,12 +351,12 @@ sdr_status sdr_face_pieces(const sdr_shape *shape, const char *name, sdr_dimensi
   cutter cut = {.whole = shape, .size = size, .visit = visit, .context = context};
   const int count = shape ? find_face(shape, name, 0, &cut.face) : 0;
   if (count == 0) {
-    return sdr_fail(SDR_BAD_INPUT, "no face `%s`; the faces here are: %s", name,
+    return sdr_fail(SDR_BAD_INPUT, "no face '%s'; the faces here are: %s", name,
                     sdr_shape_faces(shape, names, (int)sizeof names));
   }
   if (count > 1) {
     return sdr_fail(SDR_BAD_INPUT,
-                    "%d parts have a face `%s`; make the meant part a region and write REGION.%s",
+                    "%d parts have a face '%s'; make the meant part a region and write REGION.%s",
                     count, name, name);
   }
   if (!(size > 0.0)) return sdr_fail(SDR_BAD_INPUT, "a face's pieces need a size above 0");

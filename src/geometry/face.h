@@ -19,7 +19,7 @@
 /* 1 if the shape (or, for a combination, exactly one primitive of it) has a face of that name. */
 int sdr_shape_has_face(const sdr_shape *shape, const char *face);
 
-/* The names of the shape's faces, for messages, separated by blanks, each once, in text[size];
+/* The names of the shape's faces, for messages, like "left, right", each once, in text[size];
    "none" if there are none. Returns `text`. */
 const char *sdr_shape_faces(const sdr_shape *shape, char *text, int size);
 

@@ -58,7 +58,7 @@ static sdr_status check_every_material_used(const sdr_scene *scene, const int64_
                           ? "its place holds none, or later materials cover it"
                           : "later materials cover it";
     return sdr_fail(SDR_BAD_INPUT,
-                    "%s: material `%s` has no point: %s; mend the place or leave "
+                    "%s: material '%s' has no point: %s; mend the place or leave "
                     "the material out",
                     sdr_origin_text(scene->material[m].origin), scene->material[m].name, why);
   }

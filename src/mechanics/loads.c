@@ -226,7 +226,7 @@ static sdr_status spread_face(spreader *s)
   char text[SDR_PLACE_TEXT];
   if (!load->on.face[0]) {
     return sdr_fail(SDR_BAD_INPUT,
-                    "%s: a %s acts on a face, and `%s` is a volume; its faces are: %s",
+                    "%s: a %s acts on a face, and '%s' is a volume; its faces are: %s",
                     sdr_origin_text(load->on.origin), kind_name(load->kind), load->on.text,
                     sdr_shape_faces(shape, text, (int)sizeof text));
   }
@@ -238,7 +238,7 @@ static sdr_status spread_face(spreader *s)
   if (s->status != SDR_OK || s->far_pieces == 0) return s->status;
   return sdr_fail(
       SDR_BAD_INPUT,
-      "%s: the %s on `%s` meets no point at %s: the face lies more than 2 spacings from "
+      "%s: the %s on '%s' meets no point at %s: the face lies more than 2 spacings from "
       "every point there; load a face of the body",
       sdr_origin_text(load->origin), kind_name(load->kind), load->on.text,
       sdr_place_text(s->far_place, s->points->components, text));
@@ -288,7 +288,7 @@ static sdr_status spread(spreader *s)
     break;
   }
   if (s->term->count == 0) {
-    return sdr_fail(SDR_BAD_INPUT, "%s: the %s on `%s` meets no point; choose a place in the body",
+    return sdr_fail(SDR_BAD_INPUT, "%s: the %s on '%s' meets no point; choose a place in the body",
                     sdr_origin_text(load->origin), kind_name(load->kind), load->on.text);
   }
   for (int64_t k = 0; k < s->term->count; ++k) s->merged[s->term->shares[k].slot] = 0;

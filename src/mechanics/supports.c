@@ -61,7 +61,7 @@ static sdr_status add_support(sdr_supports *supports, int index)
   }
   if (met > 0) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,
-                  "%s: support `%s` meets no point: `%s` holds none; choose a place in the body%s",
+                  "%s: support '%s' meets no point: '%s' holds none; choose a place in the body%s",
                   sdr_origin_text(support->origin), support->name, support->on.text,
                   support->on.face[0] ? " or a larger depth" : "");
 }
@@ -81,8 +81,8 @@ static sdr_status refuse_overlap(const sdr_supports *supports, int32_t a, int32_
   double x[3];
   place_of(supports->points, supports->list[a].point, x);
   return sdr_fail(SDR_BAD_INPUT,
-                  "%s: support `%s` prescribes the %c component of the point at %s, and so does "
-                  "support `%s` (%s) at the same time; part their places or times",
+                  "%s: support '%s' prescribes the %c component of the point at %s, and so does "
+                  "support '%s' (%s) at the same time; part their places or times",
                   sdr_origin_text(second->origin), second->name, "xyz"[supports->list[a].component],
                   sdr_place_text(x, supports->points->components, text), first -> name,
                   sdr_origin_text(first->origin));
@@ -126,7 +126,7 @@ static sdr_status evaluate(const sdr_support *support, int c, const double x[3],
   if (!support->value[c] || sdr_expression_value(support->value[c], x, t, value) == SDR_OK) {
     return SDR_OK;
   }
-  return sdr_fail(SDR_BAD_INPUT, "%s: support `%s`, %c component: %s",
+  return sdr_fail(SDR_BAD_INPUT, "%s: support '%s', %c component: %s",
                   sdr_origin_text(support->origin), support->name, "xyz"[c], sdr_error_message());
 }
 
