@@ -12,7 +12,8 @@ enum { SDR_NAME_MAX = 64 };
 typedef enum { SDR_1D, SDR_PLANE_STRESS, SDR_PLANE_STRAIN, SDR_3D } sdr_dimension;
 
 /* Where in the scene's text something stands, for messages that appear after reading:
-   "file:line:column". line 0: not from a file (a default or --set, then `file` says so). */
+   "file:line:column". line 0: from the command line, `file` is "--set PATH" and a column above 0
+   counts in the value given. A default has the origin of the mapping that lacks the key. */
 typedef struct {
   const char *file; /* owned by the scene */
   int line, column;
@@ -41,6 +42,7 @@ typedef struct sdr_shape {
   double angle; /* box only: turned about its centre by this, anticlockwise in x-y, radians */
   int part_count;
   struct sdr_shape *parts; /* of a combination */
+  int primitive_count;     /* in all parts, at most 10000; 1 for a primitive */
   int vertex_count;
   double *vertices; /* polygon: x0 y0 x1 y1 ... */
   sdr_origin origin;
@@ -123,7 +125,7 @@ typedef enum { SDR_CRACK_POLYLINE, SDR_CRACK_DISC, SDR_CRACK_RECTANGLE } sdr_cra
 typedef struct {
   sdr_crack_kind kind;
   int point_count;  /* polyline: >= 2 in 2-D, segments are polylines of two points; 1-D: 1 point */
-  double *vertices; /* 3 a point; disc: [0] centre; rectangle: 3 corners, the fourth is implied */
+  double *vertices; /* 3 a point; disc: [0] centre; rectangle: a corner and its two neighbours */
   double radius, normal[3]; /* disc */
   sdr_origin origin;
 } sdr_crack;
@@ -201,7 +203,8 @@ typedef struct {
   int snapshots;       /* frames after the first, evenly spaced in time; 0: none at all */
   int field_count;
   char field[24][24];      /* what a frame holds */
-  int history_every;       /* steps between rows of history.csv; default chosen as end/200 */
+  int history_every;       /* steps between rows of history.csv; default chosen as end/200;
+                              0: as many as make about 200 rows (the step is automatic) */
   double checkpoint_every; /* s of simulated time; INFINITY: none */
   int probe_count;
   sdr_probe *probe;
@@ -246,7 +249,8 @@ typedef struct sdr_scene {
   uint64_t hash;   /* FNV-1a over every key that affects the state, canonically written */
   char *used_yaml; /* the scene with every default filled in, as YAML text */
   int default_count;
-  char **defaults; /* "damage.ell = 1 horizon": what was defaulted, for `check` */
+  char **defaults;         /* "damage.ell = 1 horizon": what was defaulted, for `check` */
+  struct sdr_store *store; /* holds all that the scene points to */
 } sdr_scene;
 
 /* Read `path` (a file), merge `variant` (NULL or "": none) and then the `set_count` overrides
