@@ -28,7 +28,8 @@
 #define SDR_STRETCH_CUT (-1.0f)
 #define SDR_STRETCH_PROTECTED (-2.0f)
 
-/* Flags of a pair. A half is a directed bond; `fresh` marks a loss that is not booked yet. */
+/* Flags of a pair, as wide as the numbers beside them so that loops over both vectorise. A half is
+ * a directed bond; `fresh` marks a loss that is not booked yet. */
 enum {
   SDR_LOST_I = 1, /* i -> j */
   SDR_LOST_J = 2, /* j -> i */
@@ -37,6 +38,8 @@ enum {
   SDR_CUT = 16, /* at the start; then both halves are lost too */
   SDR_PROTECTED = 32
 };
+
+typedef int32_t sdr_flags;
 
 /* (1-d) of the variational law; kk = k^2. */
 static inline double sdr_variational_intact(double kk, double q)
@@ -74,7 +77,7 @@ static inline double sdr_variational_damage(float stretch, double q)
   return kk / (kk + q);
 }
 
-static inline double sdr_flag_damage(uint8_t flags, int lost)
+static inline double sdr_flag_damage(sdr_flags flags, int lost)
 {
   return flags & lost ? 1.0 : 0.0;
 }

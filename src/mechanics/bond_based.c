@@ -33,11 +33,11 @@ static sdr_pair_state variational_state(const sdr_bond_body *body, const sdr_pai
 sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s)
 {
   const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
-  const uint8_t *flags = pair->loose ? body->loose_flags : body->flags;
+  const sdr_flags *flags = pair->loose ? body->loose_flags : body->flags;
   if (body->law == SDR_LAW_VARIATIONAL)
     return variational_state(body, pair, s, stretch[pair->slot]);
   if (!flags) return (sdr_pair_state){0.0, 0.0, 0, 0};
-  const uint8_t flag = flags[pair->slot];
+  const sdr_flags flag = flags[pair->slot];
   return (sdr_pair_state){sdr_flag_damage(flag, SDR_LOST_I), sdr_flag_damage(flag, SDR_LOST_J),
                           (flag & SDR_CUT) != 0, (flag & SDR_PROTECTED) != 0};
 }
@@ -155,14 +155,13 @@ static void commit_pair(void *context, const sdr_pair *pair)
     float *k = (pair->loose ? body->loose_stretch : body->stretch) + pair->slot;
     if (*k >= 0.0f && (float)s > *k) *k = (float)s;
   } else if (body->law == SDR_LAW_CRITICAL_STRETCH) {
-    uint8_t *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
+    sdr_flags *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
     if (*flags & SDR_PROTECTED) return;
     const int i =
         sdr_critical_breaks(s, sdr_body_threshold(body, pair->i)) && !(*flags & SDR_LOST_I);
     const int j =
         sdr_critical_breaks(s, sdr_body_threshold(body, pair->j)) && !(*flags & SDR_LOST_J);
-    *flags =
-        (uint8_t)(*flags | (i ? SDR_LOST_I | SDR_FRESH_I : 0) | (j ? SDR_LOST_J | SDR_FRESH_J : 0));
+    *flags = (*flags | (i ? SDR_LOST_I | SDR_FRESH_I : 0) | (j ? SDR_LOST_J | SDR_FRESH_J : 0));
   }
 }
 
@@ -200,8 +199,9 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
     blocks[n++] = (sdr_state_block){"stretch", body->stretch, runs * sizeof(float)};
   if (body->loose_stretch)
     blocks[n++] = (sdr_state_block){"loose_stretch", body->loose_stretch, loose * sizeof(float)};
-  if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs};
-  if (body->loose_flags) blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose};
+  if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs * sizeof(sdr_flags)};
+  if (body->loose_flags)
+    blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose * sizeof(sdr_flags)};
   if (bond->booked)
     blocks[n++] = (sdr_state_block){"booked", bond->booked,
                                     (size_t)model->points->stripe_count * sizeof(double)};
@@ -281,8 +281,9 @@ static sdr_status alloc_flags(sdr_bond_model *model)
   sdr_bond_body *body = &model->body;
   const size_t runs = (size_t)model->bonds->run_slots;
   const size_t loose = (size_t)model->bonds->loose.slot_count;
-  if (runs > 0 && !body->flags && !(body->flags = sdr_alloc(runs, 1))) return SDR_RUN_FAILED;
-  if (loose > 0 && !body->loose_flags && !(body->loose_flags = sdr_alloc(loose, 1)))
+  if (runs > 0 && !body->flags && !(body->flags = sdr_alloc(runs, sizeof(sdr_flags))))
+    return SDR_RUN_FAILED;
+  if (loose > 0 && !body->loose_flags && !(body->loose_flags = sdr_alloc(loose, sizeof(sdr_flags))))
     return SDR_RUN_FAILED;
   return SDR_OK;
 }
@@ -358,7 +359,7 @@ static void mark_pair(void *context, const sdr_pair *pair)
         mark == SDR_CUT ? SDR_STRETCH_CUT : SDR_STRETCH_PROTECTED;
   else
     (pair->loose ? body->loose_flags : body->flags)[pair->slot] =
-        (uint8_t)(mark == SDR_CUT ? SDR_CUT | SDR_LOST_I | SDR_LOST_J : SDR_PROTECTED);
+        (mark == SDR_CUT ? SDR_CUT | SDR_LOST_I | SDR_LOST_J : SDR_PROTECTED);
   if (mark == SDR_CUT && pair->primary)
     call->cut += (pair->weight_ij > 0.0) + (pair->weight_ji > 0.0);
 }

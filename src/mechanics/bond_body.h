@@ -16,7 +16,7 @@ typedef struct {
   double stiffness, threshold;         /* C and q where all points share them */
   double *stiffness_at, *threshold_at; /* a point; NULL: shared */
   float *stretch, *loose_stretch;      /* k, or SDR_STRETCH_CUT, SDR_STRETCH_PROTECTED */
-  uint8_t *flags, *loose_flags;        /* SDR_LOST_I ... */
+  sdr_flags *flags, *loose_flags;      /* SDR_LOST_I ... */
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */

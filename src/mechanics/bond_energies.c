@@ -102,11 +102,11 @@ static double stretch_before(const sdr_pair *pair, int components, const book_ca
 }
 
 /* Leapfrog loses 1/2 C |xi| s_n s_(n+1) with a bond (theory sec. 4). */
-static void book_pair(book_call *call, const sdr_pair *pair, uint8_t *flags)
+static void book_pair(book_call *call, const sdr_pair *pair, sdr_flags *flags)
 {
-  const unsigned fresh = *flags & (SDR_FRESH_I | SDR_FRESH_J);
+  const sdr_flags fresh = *flags & (SDR_FRESH_I | SDR_FRESH_J);
   if (!fresh) return;
-  *flags = (uint8_t)(*flags & ~(SDR_FRESH_I | SDR_FRESH_J));
+  *flags = (*flags & ~(SDR_FRESH_I | SDR_FRESH_J));
   const sdr_bond_body *body = &call->model->body;
   const int n = body->points->components;
   const double product = sdr_pair_stretch(pair, n, call->u) * stretch_before(pair, n, call);

@@ -19,7 +19,7 @@ typedef struct {
   double *fi[3], *fj[3];
   const double *ci, *cj, *qi, *qj;
   float *stretch;
-  uint8_t *flags;
+  sdr_flags *flags;
   int count;
 } sdr_block;
 
@@ -86,12 +86,12 @@ SDR_INLINE float grown_stretch(const int marked, float before, double s)
 }
 
 /* Lost halves after the stretch s, fresh ones marked. */
-SDR_INLINE uint8_t grown_flags(const int marked, uint8_t before, double s, double qi, double qj)
+SDR_INLINE sdr_flags grown_flags(const int marked, sdr_flags before, double s, double qi, double qj)
 {
-  const unsigned broken = (sdr_critical_breaks(s, qi) ? SDR_LOST_I : 0u) |
-                          (sdr_critical_breaks(s, qj) ? SDR_LOST_J : 0u);
-  const unsigned fresh = broken & ~(unsigned)before;
-  const uint8_t grown = (uint8_t)(before | fresh | fresh << 2);
+  const sdr_flags broken =
+      (sdr_critical_breaks(s, qi) ? SDR_LOST_I : 0) | (sdr_critical_breaks(s, qj) ? SDR_LOST_J : 0);
+  const sdr_flags fresh = broken & ~before;
+  const sdr_flags grown = before | fresh | fresh << 2;
   if (marked) return before & SDR_PROTECTED ? before : grown;
   return grown;
 }
@@ -108,7 +108,7 @@ SDR_INLINE int block_force(const int components, const int law, const int each, 
   const double *const ux = block->ui[0], *const vx = block->uj[0];
   const double *const uy = block->ui[1], *const vy = block->uj[1];
   const double *const uz = block->ui[2], *const vz = block->uj[2];
-  unsigned fresh = 0;
+  sdr_flags fresh = 0;
 #pragma omp simd reduction(| : fresh)
   for (int k = 0; k < block->count; ++k) {
     const double ex = vx[k] - ux[k];
@@ -130,7 +130,7 @@ SDR_INLINE int block_force(const int components, const int law, const int each, 
         stiffness = variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
       }
     } else if (law == SDR_LAW_CRITICAL_STRETCH) {
-      const uint8_t grown = grown_flags(marked, block->flags[k], t.s, qi, qj);
+      const sdr_flags grown = grown_flags(marked, block->flags[k], t.s, qi, qj);
       if (commit) {
         block->flags[k] = grown;
         fresh |= grown;
@@ -237,7 +237,7 @@ SDR_INLINE sdr_directed_energy variational_energy(const int marked, double half,
   return e;
 }
 
-SDR_INLINE sdr_directed_energy flag_energy(double half, double s, uint8_t flags, int lost)
+SDR_INLINE sdr_directed_energy flag_energy(double half, double s, sdr_flags flags, int lost)
 {
   const int gone = flags & lost;
   return (sdr_directed_energy){gone ? 0.0 : half * s * s, 0.0,
@@ -317,7 +317,7 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
   const int64_t point = chunk * SDR_LANES;
   const double c = body->stiffness, q = body->threshold;
   _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
-  unsigned fresh = 0;
+  sdr_flags fresh = 0;
   for (int64_t column = first; column < end; column += SDR_LANES) {
     const int32_t *const restrict neighbour = loose->j + column;
 #pragma omp simd reduction(| : fresh)
@@ -350,7 +350,7 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
         stiffness = each ? variational_stiffness(marked, t.s, grown, ci, qi, cj, qj)
                          : variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
       } else if (law == SDR_LAW_CRITICAL_STRETCH) {
-        const uint8_t grown = grown_flags(marked, body->loose_flags[slot], t.s, qi, qj);
+        const sdr_flags grown = grown_flags(marked, body->loose_flags[slot], t.s, qi, qj);
         if (commit) {
           body->loose_flags[slot] = grown;
           fresh |= grown;

@@ -61,15 +61,15 @@ static void directed_law(const sdr_bond_body *body, const sdr_pair *pair, int lo
                          double q, double *force, double *slope)
 {
   const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
-  const uint8_t *flags = pair->loose ? body->loose_flags : body->flags;
+  const sdr_flags *flags = pair->loose ? body->loose_flags : body->flags;
   *force = s;
   *slope = 1.0;
   if (body->law != SDR_LAW_VARIATIONAL) {
     if (!flags) return;
-    uint8_t flag = flags[pair->slot];
+    sdr_flags flag = flags[pair->slot];
     if (body->law == SDR_LAW_CRITICAL_STRETCH && !(flag & SDR_PROTECTED) &&
         sdr_critical_breaks(s, q))
-      flag = (uint8_t)(flag | lost); /* as the force sees it */
+      flag = (flag | lost); /* as the force sees it */
     if (flag & lost) *force = *slope = 0.0;
     return;
   }
