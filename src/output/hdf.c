@@ -17,48 +17,49 @@ struct sdr_hdf {
   char *path;
 };
 
+/* Of the latest failed call. HDF5 forgets it with the next call, the closing ones included. */
+static _Thread_local char reason[128];
+
 /* HDF5 buries the system's reason in the deepest record of its error stack. */
 static herr_t find_reason(unsigned depth, const H5E_error2_t *record, void *context)
 {
   static const char mark[] = "error message = '";
-  char *reason = context;
+  char *text = context;
   (void)depth;
   if (!record->desc) return 0;
   const char *found = strstr(record->desc, mark);
   if (found) {
     found += sizeof mark - 1;
-    snprintf(reason, 128, "%.*s", (int)strcspn(found, "'"), found);
+    snprintf(text, sizeof reason, "%.*s", (int)strcspn(found, "'"), found);
     return 1;
   }
-  if (!*reason) snprintf(reason, 128, "%s", record->desc);
+  if (!*text) snprintf(text, sizeof reason, "%s", record->desc);
   return 0;
 }
 
-static const char *reason_of_failure(char reason[128])
+static herr_t note_failure(hid_t stack, void *context)
 {
-  *reason = '\0';
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, find_reason, reason);
-  return *reason ? reason : "HDF5 gives no reason";
+  (void)context;
+  reason[0] = '\0';
+  H5Ewalk2(stack, H5E_WALK_UPWARD, find_reason, reason);
+  return 0;
 }
 
 static sdr_status fail_write(const char *path)
 {
-  char reason[128];
-  return sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", path, reason_of_failure(reason));
+  return sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", path, reason);
 }
 
 static sdr_status fail_read(const sdr_hdf *file, const char *name)
 {
-  char reason[128];
-  return sdr_fail(SDR_BAD_INPUT, "%s: %s cannot be read: %s", file->path, name,
-                  reason_of_failure(reason));
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s cannot be read: %s", file->path, name, reason);
 }
 
-/* HDF5 shall neither print nor, after a full disk, try again when the process exits. */
+/* HDF5 shall not print, and not try again at the end of the process what a full disk refused. */
 static void quieten(void)
 {
   H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  H5Eset_auto2(H5E_DEFAULT, note_failure, NULL);
 }
 
 /* No locks of HDF5's own: the run's directory has one, and readers may look while it is written.
@@ -107,11 +108,7 @@ sdr_status sdr_hdf_open(const char *path, int writable, sdr_hdf **out)
   const hid_t access = access_list();
   const hid_t id = H5Fopen(path, writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
   H5Pclose(access);
-  if (id < 0) {
-    char reason[128];
-    return sdr_fail(SDR_BAD_INPUT, "%s is not a whole HDF5 file: %s", path,
-                    reason_of_failure(reason));
-  }
+  if (id < 0) return sdr_fail(SDR_BAD_INPUT, "%s is not a whole HDF5 file: %s", path, reason);
   return wrap(path, id, out);
 }
 

@@ -227,7 +227,9 @@ static void a_file_that_is_missing_or_no_hdf5_is_told_apart(void **state)
   assert_string_equal(sdr_error_message(), wanted);
   body_write(&b, "snapshots.h5", "time,kinetic\n");
   assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_BAD_INPUT);
-  assert_non_null(strstr(sdr_error_message(), "snapshots.h5 is not a whole HDF5 file"));
+  snprintf(wanted, sizeof wanted,
+           "%s/snapshots.h5 is not a whole HDF5 file: file signature not found", b.directory);
+  assert_string_equal(sdr_error_message(), wanted);
   assert_null(frames);
   body_destroy(&b);
 }
@@ -426,6 +428,22 @@ static void a_full_disk_keeps_the_frames_before(void **state)
   body_destroy(&b);
 }
 
+static void a_missing_directory_is_an_io_error(void **state)
+{
+  (void)state;
+  body b;
+  sdr_observer *observer = NULL;
+  body_create(&b, 3, 2);
+  name_fields(&b, 2, usual);
+  b.scene->output.snapshots = 1;
+  assert_int_equal(sdr_snapshots_create(b.scene, "no/such", b.points, &observer), SDR_OK);
+  assert_int_equal(body_show(&b, observer), SDR_IO_ERROR);
+  assert_string_equal(sdr_error_message(),
+                      "cannot write no/such/snapshots.h5: No such file or directory");
+  observer->ops->destroy(observer);
+  body_destroy(&b);
+}
+
 static void a_disk_too_full_for_a_frame_leaves_no_file(void **state)
 {
   (void)state;
@@ -457,6 +475,7 @@ int main(void)
       cmocka_unit_test(a_file_of_another_body_is_not_continued),
       cmocka_unit_test(a_killed_run_leaves_its_frames_readable),
       cmocka_unit_test(a_full_disk_keeps_the_frames_before),
+      cmocka_unit_test(a_missing_directory_is_an_io_error),
       cmocka_unit_test(a_disk_too_full_for_a_frame_leaves_no_file),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
