@@ -161,6 +161,9 @@ static sdr_status scan_operator(const char *text, size_t *at, sdr_formula *f)
     *at += 2;
     return SDR_OK;
   }
+  if (*here == '.' && isalpha((unsigned char)here[1])) { /* YAML's .nan and .inf */
+    return sdr_fail(SDR_BAD_INPUT, "%d: '%.5s' is not a finite number", column, here);
+  }
   if (*here == '=') {
     return sdr_fail(SDR_BAD_INPUT,
                     "%d: '=' assigns, which is not allowed; compare with ==", column);

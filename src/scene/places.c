@@ -117,6 +117,11 @@ static void region_names(const sdr_reading *rd, char *text, size_t size)
 static void unknown_region(sdr_reading *rd, const sdr_node *node, const char *name)
 {
   char names[300];
+  if (sdr_is_shape_word(name)) {
+    sdr_read_error(rd->reader, node->origin, "the shape '%s' needs its measures: {%s: ...}", name,
+                   name);
+    return;
+  }
   region_names(rd, names, sizeof names);
   sdr_read_error(rd->reader, node->origin, "unknown region '%.60s'; %s%s", name,
                  *names ? "regions of this scene: " : "this scene has no regions", names);

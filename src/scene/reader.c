@@ -156,8 +156,8 @@ static int is_known(const sdr_node *map, const char *key)
 /* The usual ways to write what YAML takes for another key. */
 static const char *key_hint(const char *key)
 {
-  if (strchr(key, ':')) return "; write a blank after the colon";
-  if (strchr(key, '(') || strchr(key, ')')) return "; a formula with a comma needs quotes here";
+  if (strchr(key, ':')) return " write a blank after the colon;";
+  if (strchr(key, '(') || strchr(key, ')')) return " a formula with a comma needs quotes here;";
   return "";
 }
 
@@ -176,13 +176,14 @@ static void unknown_key(sdr_reader *reader, const sdr_node *map, const sdr_node 
     names[count++] = k->key;
   }
   const char *nearest = sdr_read_nearest(child->key, names, count);
-  sdr_read_error(reader, child->key_origin, "unknown key '%.60s'%s%s%s%s known here: %s",
-                 child->key, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                 nearest ? "'?" : ";",
-                 nearest                   ? ""
-                 : key_hint(child->key)[0] ? key_hint(child->key) + 1
-                                           : "",
-                 known);
+  if (nearest) {
+    sdr_read_error(reader, child->key_origin,
+                   "unknown key '%.60s'; did you mean '%s'? known here: %s", child->key, nearest,
+                   known);
+  } else {
+    sdr_read_error(reader, child->key_origin, "unknown key '%.60s';%s known here: %s", child->key,
+                   key_hint(child->key), known);
+  }
 }
 
 void sdr_read_done(sdr_reader *reader, sdr_node *map)

@@ -218,10 +218,20 @@ static yaml_mark_t mark_of_offset(const char *text, size_t length, size_t offset
   return mark;
 }
 
+/* The byte at libyaml's index, which counts code points. */
+static char byte_at(const char *text, size_t length, size_t index)
+{
+  size_t k = 0;
+  for (; k < length; ++k) {
+    if (((unsigned char)text[k] & 0xC0) == 0x80) continue;
+    if (index-- == 0) return text[k];
+  }
+  return '\0';
+}
+
 static const char *hint_for(const char *text, size_t length, const yaml_parser_t *parser)
 {
-  const size_t index = parser->problem_mark.index;
-  const char at = index < length ? text[index] : '\0';
+  const char at = byte_at(text, length, parser->problem_mark.index);
   if (at == '\t') return "; indent with blanks, not tabs";
   if (at != '\0' && strchr("%@`", at)) return "; put a text that begins like this in quotes";
   if (strstr(parser->problem, "mapping values are not allowed")) {
