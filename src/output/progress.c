@@ -60,7 +60,7 @@ static double done_share(const sdr_moment *moment)
 {
   if (moment->last) return 1.0;
   const double share = moment->end > 0.0 ? moment->time / moment->end : 0.0;
-  return fmin(fmax(share, 0.0), 1.0);
+  return fmin(fmax(share + 1e-9, 0.0), 1.0); /* times are sums of rounded steps */
 }
 
 static void text_left(char *text, size_t size, double seconds)
@@ -77,7 +77,7 @@ static void text_left(char *text, size_t size, double seconds)
 static void update_rate(progress *p, int64_t step, double now)
 {
   const double passed = now - p->marked;
-  if (passed < 0.05 || step <= p->marked_step) return;
+  if (step <= p->marked_step || passed <= 0.0 || (p->rate > 0.0 && passed < 0.05)) return;
   const double rate = (double)(step - p->marked_step) / passed;
   const double weight = p->rate > 0.0 ? 1.0 - exp(-passed / smoothing) : 1.0;
   p->rate += weight * (rate - p->rate);
@@ -130,11 +130,13 @@ static size_t terminal_width(void)
 static void draw_bar(progress *p, double share, char pieces[PIECES][PIECE_SIZE])
 {
   char line[MOST_WIDTH + 1], bar[BAR + 1];
+  const size_t width = terminal_width() - 1;
   const int filled = (int)(share * BAR);
   for (int k = 0; k < BAR; ++k) bar[k] = k < filled ? '#' : '.';
   bar[BAR] = '\0';
-  snprintf(line, sizeof line, "%3d %% [%s]", (int)(100.0 * share), bar);
-  append_pieces(line, terminal_width() - 1, pieces);
+  const size_t length = (size_t)snprintf(line, sizeof line, "%3d %%", (int)(100.0 * share));
+  if (width >= length + BAR + 3) snprintf(line + length, sizeof line - length, " [%s]", bar);
+  append_pieces(line, width, pieces);
   fprintf(stderr, "\r%s\033[K", line);
   fflush(stderr);
   p->open = 1;
