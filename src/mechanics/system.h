@@ -11,21 +11,26 @@ typedef struct {
   int32_t count;
   int components;
   double *u[3]; /* m, at the system's time */
-  double *v[3]; /* m/s, at the system's time + velocity_offset (leapfrog keeps the half step's) */
+  double *v[3]; /* m/s, at the system's time + velocity_offset (leapfrog keeps half steps) */
   double *f[3]; /* N, total force = mass times acceleration, supports' reactions included */
   double *mass; /* kg */
   double time;  /* s */
   int64_t step;
-  double velocity_offset; /* s; leapfrog: half the step after the first, else 0 */
+  double velocity_offset; /* s; leapfrog: minus half a step */
 
   sdr_model *model;
   sdr_loads *loads;
   sdr_supports *supports;
 
-  /* Sums since t = 0. */
-  double external_work;      /* J, of loads and supports */
-  double impulse[3];         /* N s, of loads and supports */
+  /* Sums since t = 0, of loads and supports. */
+  double external_work;      /* J */
+  double impulse[3];         /* N s */
   double angular_impulse[3]; /* N m s, about the origin, current positions */
+
+  /* Of each entry of the supports' list: reaction (N; 0 while free), and the motion prescribed at
+     two times (scratch). Of each loaded point: force one step ago, N. */
+  double *reaction, *motion, *next_motion;
+  double *load_before[3];
 } sdr_system;
 
 /* Energies and momenta of the present state, velocities brought to its time. */
@@ -42,14 +47,25 @@ sdr_status sdr_system_create(sdr_model *model, const double *density, sdr_loads 
                              sdr_supports *supports, sdr_system **out);
 void sdr_system_destroy(sdr_system **system); /* NULL-safe */
 
+/* Give prescribed components their motion at t = 0, for a first step of length dt. */
+sdr_status sdr_system_start(sdr_system *system, double dt);
+
+/* Force at the present u and time: the model's (history committed; dt is the length of the step
+   that led here, 0 at the start), the loads', and what keeps prescribed components on their way:
+   their force is mass (w - v)/kick, w the velocity prescribed for the next step of length dt_next.
+   Books the work and impulse of the step as the trapezoid that leapfrog satisfies exactly. */
+sdr_status sdr_system_force(sdr_system *system, double dt, double dt_next, double kick);
+
 void sdr_system_balance(sdr_system *system, sdr_balance *out);
 
-/* The fields a scene may name (design sec. 4). components: how many values a point has. */
-int sdr_field_known(const char *name);
-int sdr_field_components(const char *name, int dimension_components);
+/* Blocks that a checkpoint must hold beside u, v, f and the sums above. */
+void sdr_system_state(sdr_system *system, sdr_state_block *blocks, int *count);
 
-/* Field `name` at the present state: out holds count values per component, component-major; SI.
-   `fragment` and unknown names are SDR_BAD_INPUT (observers make the former). */
+/* Field `name` (design sec. 4) at the present state: out holds count values per component,
+   component-major; SI. `fragment` and unknown names are SDR_BAD_INPUT. */
 sdr_status sdr_system_field(sdr_system *system, const char *name, double *out);
+
+/* Values a point has in field `name` in a body of `components` coordinates; 0: no such field. */
+int sdr_field_components(const char *name, int components);
 
 #endif
