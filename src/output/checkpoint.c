@@ -74,7 +74,10 @@ static sdr_status add_system(plan *p, sdr_system *system)
     SDR_TRY(add(p, "system", names[1][c], system->v[c], bytes));
     SDR_TRY(add(p, "system", names[2][c], system->f[c], bytes));
   }
-  return SDR_OK;
+  sdr_state_block blocks[SDR_STATE_BLOCKS];
+  int count = 0;
+  sdr_system_state(system, blocks, &count);
+  return add_blocks(p, "system", blocks, count);
 }
 
 static sdr_status add_observer(plan *p, sdr_observer *observer)

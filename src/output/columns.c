@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* One column: component `part` of a field at a point, or (support >= 0) of the reaction summed over
-   a support. */
+/* One column: component `part` of a field at a point, or of the reaction summed over a support. */
 typedef struct {
   char name[2 * SDR_NAME_MAX];
   const sdr_field_info *field;
@@ -17,9 +16,10 @@ typedef struct {
 
 struct sdr_columns {
   int count, room;
+  int probe_columns; /* the first ones; the rest are reactions */
   column *columns;
   int components;
-  double *field; /* scratch: the widest field, component-major; NULL without columns */
+  double *field; /* scratch: the widest field, component-major; NULL without probes */
 };
 
 static sdr_status add(sdr_columns *columns, const column *added)
@@ -52,8 +52,7 @@ static sdr_status add_probe(sdr_columns *columns, const sdr_probe *probe, const 
       return sdr_fail(SDR_BAD_INPUT, "%s: probe %s cannot show '%s'; name another field",
                       sdr_origin_text(probe->origin), probe->name, probe->field[f]);
     for (int k = 0; k < sdr_field_width(field, columns->components); ++k)
-      SDR_TRY(add_named(columns, probe->name,
-                        (column){.field = field, .part = k, .support = -1, .point = point}));
+      SDR_TRY(add_named(columns, probe->name, (column){.field = field, .part = k, .point = point}));
   }
   return SDR_OK;
 }
@@ -74,8 +73,9 @@ static sdr_status add_all(sdr_columns *columns, const sdr_scene *scene, const sd
   int widest = 0;
   for (int p = 0; p < scene->output.probe_count; ++p)
     SDR_TRY(add_probe(columns, &scene->output.probe[p], points));
+  columns->probe_columns = columns->count;
   SDR_TRY(add_reactions(columns, scene));
-  for (int k = 0; k < columns->count; ++k) {
+  for (int k = 0; k < columns->probe_columns; ++k) {
     const int width = sdr_field_width(columns->columns[k].field, columns->components);
     if (width > widest) widest = width;
   }
@@ -116,38 +116,37 @@ const char *sdr_columns_name(const sdr_columns *columns, int k)
   return columns->columns[k].name;
 }
 
-static double sum_reaction(const sdr_columns *columns, const column *c, const sdr_system *system)
+static double sum_reaction(const column *c, const sdr_system *system)
 {
   const int32_t count = sdr_supports_count(system->supports);
   const sdr_prescribed *list = sdr_supports_list(system->supports);
-  const double *reaction = columns->field + (size_t)c->part * (size_t)system->count;
   double sum = 0.0;
   for (int32_t k = 0; k < count; ++k)
-    if (list[k].support == c->support && list[k].component == c->part)
-      sum += reaction[list[k].point];
+    if (list[k].support == c->support && list[k].component == c->part) sum += system->reaction[k];
   return sum;
 }
 
-static int shown_before(const sdr_columns *columns, int k)
+/* Column k is the first that shows its field. */
+static int first_of_field(const sdr_columns *columns, int k)
 {
   for (int earlier = 0; earlier < k; ++earlier)
-    if (columns->columns[earlier].field == columns->columns[k].field) return 1;
-  return 0;
+    if (columns->columns[earlier].field == columns->columns[k].field) return 0;
+  return 1;
 }
 
 sdr_status sdr_columns_values(sdr_columns *columns, sdr_system *system, double *values)
 {
-  for (int k = 0; k < columns->count; ++k) {
+  const size_t count = (size_t)system->count;
+  for (int k = 0; k < columns->probe_columns; ++k) {
     const sdr_field_info *field = columns->columns[k].field;
-    if (shown_before(columns, k)) continue;
+    if (!first_of_field(columns, k)) continue;
     SDR_TRY(sdr_system_field(system, field->name, columns->field));
-    for (int j = k; j < columns->count; ++j) {
+    for (int j = k; j < columns->probe_columns; ++j) {
       const column *c = &columns->columns[j];
-      if (c->field != field) continue;
-      values[j] = c->support >= 0
-                      ? sum_reaction(columns, c, system)
-                      : columns->field[(size_t)c->part * (size_t)system->count + (size_t)c->point];
+      if (c->field == field) values[j] = columns->field[(size_t)c->part * count + (size_t)c->point];
     }
   }
+  for (int k = columns->probe_columns; k < columns->count; ++k)
+    values[k] = sum_reaction(&columns->columns[k], system);
   return SDR_OK;
 }

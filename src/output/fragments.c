@@ -181,7 +181,7 @@ static void ring_free(ring *r)
 
 static sdr_status ring_measure(const sdr_points *points, const double centre[3], ring *r)
 {
-  *r = (ring){.inner = INFINITY, .outer = 0.0};
+  *r = (ring){.inner = HUGE_VAL, .outer = 0.0};
   r->radius = sdr_alloc((size_t)points->count, sizeof *r->radius);
   r->polar = sdr_alloc((size_t)points->count, sizeof *r->polar);
   if (!r->radius || !r->polar) {

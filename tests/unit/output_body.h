@@ -40,7 +40,9 @@ typedef struct {
   char directory[64];
   sdr_points *points;
   body_model model;
-  sdr_system system;
+  sdr_loads *loads;
+  sdr_supports *supports;
+  sdr_system *system;
   sdr_scene *scene;
   sdr_balance balance;
   sdr_moment moment;
@@ -93,39 +95,42 @@ static const sdr_model_ops body_ops = {.name = "fake",
                                        .visit_damage = body_visit,
                                        .state = body_state};
 
-/* `count` points along x, 1 m apart, at rest; a moment at step 0 of 100 steps of 1 us. */
+/* Conditions and system, when the scene has all its supports; body_create does it once. */
+static inline void body_wire(body *b)
+{
+  const double density[1] = {1.0};
+  sdr_system_destroy(&b->system);
+  sdr_loads_destroy(&b->loads);
+  sdr_supports_destroy(&b->supports);
+  assert_int_equal(sdr_loads_create(b->scene, b->points, &b->loads), SDR_OK);
+  assert_int_equal(sdr_supports_create(b->scene, b->points, &b->supports), SDR_OK);
+  assert_int_equal(sdr_system_create(&b->model.head, density, b->loads, b->supports, &b->system),
+                   SDR_OK);
+  b->moment.system = b->system;
+}
+
+/* `count` points along x, 1 m apart, of 1 kg, at rest; a moment at step 0 of 100 steps of 1 us. */
 static inline void body_create(body *b, int32_t count, int components)
 {
   memset(b, 0, sizeof *b);
   strcpy(b->directory, "sunder_output_XXXXXX");
   assert_non_null(mkdtemp(b->directory));
   assert_int_equal(sdr_points_create(count, components, 0, &b->points), SDR_OK);
-  b->model.head = (sdr_model){.ops = &body_ops, .points = b->points};
-  b->model.damage = sdr_alloc((size_t)count, sizeof(double));
-  b->model.history = sdr_alloc((size_t)count, sizeof(double));
-  b->system = (sdr_system){.count = count, .components = components, .model = &b->model.head};
-  b->system.mass = sdr_alloc((size_t)count, sizeof(double));
-  for (int c = 0; c < components; ++c) {
-    b->system.u[c] = sdr_alloc((size_t)count, sizeof(double));
-    b->system.v[c] = sdr_alloc((size_t)count, sizeof(double));
-    b->system.f[c] = sdr_alloc((size_t)count, sizeof(double));
-  }
   for (int32_t i = 0; i < count; ++i) {
     b->points->x[0][i] = i;
     b->points->volume[i] = 1.0;
     b->points->spacing[i] = 1.0;
     b->points->horizon[i] = 3.0;
-    b->system.mass[i] = 1.0;
   }
+  b->model.head = (sdr_model){.ops = &body_ops, .points = b->points};
+  b->model.damage = sdr_alloc((size_t)count, sizeof(double));
+  b->model.history = sdr_alloc((size_t)count, sizeof(double));
   b->scene = calloc(1, sizeof *b->scene);
   b->scene->output.fragment_threshold = 0.5;
-  b->scene->output.checkpoint_every = INFINITY;
-  b->moment = (sdr_moment){.system = &b->system,
-                           .scene = b->scene,
-                           .directory = b->directory,
-                           .step_size = 1e-6,
-                           .end = 100e-6,
-                           .steps = 100};
+  b->scene->output.checkpoint_every = HUGE_VAL;
+  b->moment = (sdr_moment){
+      .scene = b->scene, .directory = b->directory, .step_size = 1e-6, .end = 100e-6, .steps = 100};
+  body_wire(b);
 }
 
 static inline int body_remove(const char *path, const struct stat *status, int kind,
@@ -139,12 +144,9 @@ static inline int body_remove(const char *path, const struct stat *status, int k
 
 static inline void body_destroy(body *b)
 {
-  for (int c = 0; c < 3; ++c) {
-    sdr_free(b->system.u[c]);
-    sdr_free(b->system.v[c]);
-    sdr_free(b->system.f[c]);
-  }
-  sdr_free(b->system.mass);
+  sdr_system_destroy(&b->system);
+  sdr_loads_destroy(&b->loads);
+  sdr_supports_destroy(&b->supports);
   sdr_free(b->model.damage);
   sdr_free(b->model.history);
   free(b->model.pairs);
@@ -155,8 +157,8 @@ static inline void body_destroy(body *b)
 
 static inline void body_at(body *b, int64_t step)
 {
-  b->moment.step = b->system.step = step;
-  b->moment.time = b->system.time = (double)step * b->moment.step_size;
+  b->moment.step = b->system->step = step;
+  b->moment.time = b->system->time = (double)step * b->moment.step_size;
   b->moment.last = step == b->moment.steps;
 }
 
@@ -221,36 +223,6 @@ static inline int body_with_full_disk(rlim_t bytes, int (*work)(void *), void *c
   assert_int_equal(waitpid(child, &status, 0), child);
   assert_true(WIFEXITED(status));
   return WEXITSTATUS(status);
-}
-
-/* Until the mechanics floor has them. */
-void sdr_system_balance(sdr_system *system, sdr_balance *out);
-sdr_status sdr_system_field(sdr_system *system, const char *name, double *out);
-
-void sdr_system_balance(sdr_system *system, sdr_balance *out)
-{
-  memset(out, 0, sizeof *out);
-  system->model->ops->energies(system->model, system->u, &out->model);
-}
-
-static inline sdr_status body_vector(double *const from[3], int components, int32_t count,
-                                     double *out)
-{
-  for (int c = 0; c < components; ++c)
-    memcpy(out + c * count, from[c], (size_t)count * sizeof *out);
-  return SDR_OK;
-}
-
-sdr_status sdr_system_field(sdr_system *system, const char *name, double *out)
-{
-  if (strcmp(name, "displacement") == 0)
-    return body_vector(system->u, system->components, system->count, out);
-  if (strcmp(name, "velocity") == 0)
-    return body_vector(system->v, system->components, system->count, out);
-  if (strcmp(name, "reaction") == 0)
-    return body_vector(system->f, system->components, system->count, out);
-  const sdr_model_field which = strcmp(name, "stress") == 0 ? SDR_FIELD_STRESS : SDR_FIELD_DAMAGE;
-  return system->model->ops->field(system->model, system->u, which, out);
 }
 
 #endif

@@ -37,7 +37,14 @@ typedef struct {
   witness seen;
   sdr_observer mute;
   sdr_observer *observers[2];
+  sdr_load load;
 } fixture;
+
+static void fixture_destroy(fixture *f)
+{
+  body_destroy(&f->b);
+  sdr_expression_destroy(&f->load.value[0]);
+}
 
 static void fill(double *values, double seed)
 {
@@ -47,17 +54,24 @@ static void fill(double *values, double seed)
 /* A run whose every number is told by `seed`. */
 static void fixture_create(fixture *f, double seed)
 {
+  const sdr_unit force = {1, 1, -2, 0};
   body_create(&f->b, POINTS, 2);
+  f->load = (sdr_load){.kind = SDR_POINT_FORCE, .schedule = {-HUGE_VAL, HUGE_VAL, 0.0}};
+  assert_int_equal(sdr_expression_create("5 N", force, NULL, NULL, &f->load.value[0]), SDR_OK);
+  f->b.scene->load = &f->load;
+  f->b.scene->load_count = 1;
+  body_wire(&f->b);
+  f->b.system->load_before[0][0] = seed + 14.0;
   for (int c = 0; c < 2; ++c) {
-    fill(f->b.system.u[c], seed + c);
-    fill(f->b.system.v[c], seed + 2.0 + c);
-    fill(f->b.system.f[c], seed + 4.0 + c);
-    f->b.system.impulse[c] = seed + 6.0 + c;
-    f->b.system.angular_impulse[c] = seed + 8.0 + c;
+    fill(f->b.system->u[c], seed + c);
+    fill(f->b.system->v[c], seed + 2.0 + c);
+    fill(f->b.system->f[c], seed + 4.0 + c);
+    f->b.system->impulse[c] = seed + 6.0 + c;
+    f->b.system->angular_impulse[c] = seed + 8.0 + c;
   }
   fill(f->b.model.history, seed + 10.0);
-  f->b.system.external_work = seed + 11.0;
-  f->b.system.velocity_offset = seed + 12.0;
+  f->b.system->external_work = seed + 11.0;
+  f->b.system->velocity_offset = seed + 12.0;
   f->b.scene->hash = UINT64_C(0x0123456789abcdef);
   f->b.moment.step_size = 1e-6 * (1.0 + seed);
   body_at(&f->b, 10 + (int)seed);
@@ -83,19 +97,21 @@ static void expect_same(const fixture *a, const fixture *c)
 {
   const size_t bytes = POINTS * sizeof(double);
   for (int k = 0; k < 2; ++k) {
-    assert_memory_equal(a->b.system.u[k], c->b.system.u[k], bytes);
-    assert_memory_equal(a->b.system.v[k], c->b.system.v[k], bytes);
-    assert_memory_equal(a->b.system.f[k], c->b.system.f[k], bytes);
+    assert_memory_equal(a->b.system->u[k], c->b.system->u[k], bytes);
+    assert_memory_equal(a->b.system->v[k], c->b.system->v[k], bytes);
+    assert_memory_equal(a->b.system->f[k], c->b.system->f[k], bytes);
   }
   assert_memory_equal(a->b.model.history, c->b.model.history, bytes);
-  assert_memory_equal(a->b.system.impulse, c->b.system.impulse, 3 * sizeof(double));
-  assert_memory_equal(a->b.system.angular_impulse, c->b.system.angular_impulse, 3 * sizeof(double));
-  assert_true(a->b.system.external_work == c->b.system.external_work);
-  assert_true(a->b.system.velocity_offset == c->b.system.velocity_offset);
-  assert_true(a->b.system.time == c->b.system.time && a->b.moment.time == c->b.moment.time);
+  assert_memory_equal(a->b.system->impulse, c->b.system->impulse, 3 * sizeof(double));
+  assert_memory_equal(a->b.system->angular_impulse, c->b.system->angular_impulse,
+                      3 * sizeof(double));
+  assert_true(a->b.system->load_before[0][0] == c->b.system->load_before[0][0]);
+  assert_true(a->b.system->external_work == c->b.system->external_work);
+  assert_true(a->b.system->velocity_offset == c->b.system->velocity_offset);
+  assert_true(a->b.system->time == c->b.system->time && a->b.moment.time == c->b.moment.time);
   assert_true(a->b.moment.step_size == c->b.moment.step_size);
   assert_int_equal(a->b.moment.step, c->b.moment.step);
-  assert_int_equal(a->b.system.step, c->b.system.step);
+  assert_int_equal(a->b.system->step, c->b.system->step);
   assert_true(a->seen.sum == c->seen.sum);
 }
 
@@ -114,9 +130,9 @@ static void pair_create(pair *p)
 
 static void pair_destroy(pair *p)
 {
-  body_destroy(&p->from.b);
-  body_destroy(&p->to.b);
-  body_destroy(&p->untouched.b);
+  fixture_destroy(&p->from);
+  fixture_destroy(&p->to);
+  fixture_destroy(&p->untouched);
 }
 
 static void expect_refused(pair *p, const char *message)
@@ -187,7 +203,7 @@ static void another_number_of_points_is_refused(void **state)
   (void)state;
   pair p;
   pair_create(&p);
-  p.to.b.system.count = POINTS - 1;
+  p.to.b.system->count = POINTS - 1;
   expect_refused(&p, "does not fit this run: its number of points is 40, this run's is 39; only "
                      "time.end, output and threads may differ");
   pair_destroy(&p);
@@ -309,10 +325,10 @@ static void a_full_disk_leaves_the_checkpoint_before(void **state)
   pair p;
   pair_create(&p);
   for (rlim_t bytes = 100; bytes < 20000; bytes *= 3) {
-    p.from.b.system.u[0][0] = 77.0; /* never gets there */
+    p.from.b.system->u[0][0] = 77.0; /* never gets there */
     assert_int_equal(body_with_full_disk(bytes, write_again, &p.from), 0);
   }
-  fill(p.from.b.system.u[0], 1.0);
+  fill(p.from.b.system->u[0], 1.0);
   assert_false(body_has(&p.from.b, "checkpoint.h5.part"));
   assert_int_equal(read_from(&p.to, p.from.b.directory), SDR_OK);
   expect_same(&p.to, &p.from);

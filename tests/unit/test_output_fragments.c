@@ -20,7 +20,7 @@ static void a_sound_chain_is_one_piece(void **state)
   sdr_fragments found;
   int32_t piece[5] = {9, 9, 9, 9, 9};
   chain(&b, 5);
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5, piece, &found), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5, piece, &found), SDR_OK);
   assert_int_equal(found.count, 1);
   assert_int_equal(found.largest, 5);
   assert_int_equal(found.single, 0);
@@ -35,9 +35,9 @@ static void a_pair_at_the_threshold_holds_nothing_together(void **state)
   sdr_fragments found;
   chain(&b, 2);
   b.model.pairs[0].damage = 0.5;
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5, NULL, &found), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5, NULL, &found), SDR_OK);
   assert_int_equal(found.count, 2);
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5000001, NULL, &found), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5000001, NULL, &found), SDR_OK);
   assert_int_equal(found.count, 1);
   body_destroy(&b);
 }
@@ -52,7 +52,7 @@ static void pieces_are_numbered_by_falling_size_then_lowest_point(void **state)
   chain(&b, 9);
   b.model.pairs[0].damage = b.model.pairs[2].damage = 1.0; /* 0 | 1 2 | 3 | 4 5 6 | 7 8 */
   b.model.pairs[3].damage = b.model.pairs[6].damage = 1.0;
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5, piece, &found), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5, piece, &found), SDR_OK);
   assert_int_equal(found.count, 5);
   assert_int_equal(found.largest, 3);
   assert_int_equal(found.single, 2);
@@ -67,7 +67,7 @@ static void a_body_without_pairs_is_all_single_points(void **state)
   sdr_fragments found;
   int32_t piece[3];
   body_create(&b, 3, 2);
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5, piece, &found), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5, piece, &found), SDR_OK);
   assert_int_equal(found.count, 3);
   assert_int_equal(found.single, 3);
   assert_int_equal(piece[2], 2);
@@ -85,9 +85,9 @@ static void running_out_of_memory_is_reported_and_leaks_nothing(void **state)
   const size_t before = sdr_memory_now();
   for (int k = 0; k < 4; ++k) {
     sdr_memory_fail_after(k);
-    const sdr_status pieces = sdr_fragments_find(&b.system, 0.5, NULL, &found);
+    const sdr_status pieces = sdr_fragments_find(b.system, 0.5, NULL, &found);
     sdr_memory_fail_after(k);
-    const sdr_status cracks = sdr_through_cracks(&b.system, 0.5, centre, &count);
+    const sdr_status cracks = sdr_through_cracks(b.system, 0.5, centre, &count);
     sdr_memory_fail_after(-1);
     assert_int_equal(pieces, SDR_RUN_FAILED);
     assert_int_equal(cracks, SDR_RUN_FAILED);
@@ -176,8 +176,8 @@ static void expect(const slit *slits, int slit_count, int cracks, int fragments)
   sdr_fragments found;
   int32_t count = -1;
   ring(&b, slits, slit_count);
-  assert_int_equal(sdr_fragments_find(&b.system, 0.5, NULL, &found), SDR_OK);
-  assert_int_equal(sdr_through_cracks(&b.system, 0.5, ring_centre, &count), SDR_OK);
+  assert_int_equal(sdr_fragments_find(b.system, 0.5, NULL, &found), SDR_OK);
+  assert_int_equal(sdr_through_cracks(b.system, 0.5, ring_centre, &count), SDR_OK);
   assert_int_equal(found.count, fragments);
   assert_int_equal(count, cracks);
   body_destroy(&b);
@@ -253,7 +253,7 @@ static void a_bar_has_no_through_cracks(void **state)
   body b;
   int32_t count = -1;
   chain(&b, 4);
-  assert_int_equal(sdr_through_cracks(&b.system, 0.5, ring_centre, &count), SDR_OK);
+  assert_int_equal(sdr_through_cracks(b.system, 0.5, ring_centre, &count), SDR_OK);
   assert_int_equal(count, 0);
   body_destroy(&b);
 }

@@ -19,7 +19,7 @@ static void run(body *b, sdr_observer *ledger, int from, int to)
   for (int step = from; step <= to; ++step) {
     body_at(b, step);
     b->balance.kinetic = step;
-    b->system.external_work = step;
+    b->system->external_work = step;
     assert_int_equal(body_show(b, ledger), SDR_OK);
   }
 }
@@ -70,8 +70,8 @@ static void probes_add_a_column_for_each_component_at_the_nearest_point(void **s
   strcpy(tip.field[0], "displacement");
   strcpy(tip.field[1], "damage");
   strcpy(tip.field[2], "stress");
-  b.system.u[0][2] = 0.5;
-  b.system.u[1][2] = -0.25;
+  b.system->u[0][2] = 0.5;
+  b.system->u[1][2] = -0.25;
   b.model.damage[2] = 0.75;
   sdr_observer *ledger = make(&b, 1);
   assert_int_equal(body_show(&b, ledger), SDR_OK);
@@ -126,6 +126,47 @@ static void a_field_that_no_probe_can_show_is_refused_with_its_place(void **stat
   body_destroy(&b);
 }
 
+static void supports_add_the_sum_of_their_own_reactions(void **state)
+{
+  (void)state;
+  body b;
+  sdr_support supports[2];
+  sdr_expression *zero = NULL;
+  const sdr_unit metre = {1, 0, 0, 0};
+  assert_int_equal(sdr_expression_create("0", metre, NULL, NULL, &zero), SDR_OK);
+  body_create(&b, 3, 2);
+  for (int k = 0; k < 2; ++k) { /* the whole body, one after the other */
+    supports[k] = (sdr_support){.schedule = {-HUGE_VAL, HUGE_VAL, 0.0}, .depth = {1.0, 1}};
+    supports[k].kind[0] = SDR_PRESCRIBED_DISPLACEMENT;
+    supports[k].value[0] = zero;
+  }
+  strcpy(supports[0].name, "grip");
+  strcpy(supports[1].name, "later");
+  supports[0].schedule.until = 1e-6;
+  supports[1].schedule.from = 2e-6;
+  supports[0].kind[1] = SDR_PRESCRIBED_VELOCITY;
+  supports[0].value[1] = zero;
+  b.scene->support = supports;
+  b.scene->support_count = 2;
+  body_wire(&b);
+  const sdr_prescribed *list = sdr_supports_list(b.supports);
+  assert_int_equal(sdr_supports_count(b.supports), 9);
+  for (int k = 0; k < 9; ++k)
+    b.system->reaction[k] = list[k].support == 1 ? 0.25 : list[k].component == 0 ? 1.0 : -2.0;
+  sdr_observer *ledger = make(&b, 1);
+  assert_int_equal(body_show(&b, ledger), SDR_OK);
+  char *text = body_read(&b, "history.csv");
+  char wanted[512];
+  snprintf(wanted, sizeof wanted,
+           "%s,grip.reaction.x,grip.reaction.y,later.reaction.x\n0,0,0,0,0,0,0,0,0,0,0,3,-6,0.75\n",
+           header);
+  assert_string_equal(text, wanted);
+  free(text);
+  ledger->ops->destroy(ledger);
+  body_destroy(&b);
+  sdr_expression_destroy(&zero);
+}
+
 /* ---- books ----------------------------------------------------------------------------------- */
 
 static void the_imbalance_is_what_work_does_not_explain(void **state)
@@ -142,7 +183,7 @@ static void the_imbalance_is_what_work_does_not_explain(void **state)
   for (int k = 0; k < 3; ++k) {
     body_at(&b, k + 1);
     b.balance.model.stored = energies[k];
-    b.system.external_work = work[k];
+    b.system->external_work = work[k];
     assert_int_equal(body_show(&b, ledger), SDR_OK);
     const sdr_books books = sdr_ledger_books(ledger);
     assert_true(fabs(books.imbalance - wanted[k]) < 1e-12);
@@ -170,8 +211,8 @@ static void momentum_residuals_are_over_the_largest_scale(void **state)
   b.balance.momentum_scale = 20.0;
   b.balance.angular[2] = -3.0;
   b.balance.angular_scale = 6.0;
-  b.system.impulse[0] = 3.0; /* 3 and 4 are left */
-  b.system.angular_impulse[2] = -1.5;
+  b.system->impulse[0] = 3.0; /* 3 and 4 are left */
+  b.system->angular_impulse[2] = -1.5;
   assert_int_equal(body_show(&b, ledger), SDR_OK);
   assert_true(fabs(sdr_ledger_books(ledger).linear_residual - 5.0 / 40.0) < 1e-15);
   assert_true(fabs(sdr_ledger_books(ledger).angular_residual - 1.5 / 6.0) < 1e-15);
@@ -399,6 +440,7 @@ int main(void)
       cmocka_unit_test(probes_add_a_column_for_each_component_at_the_nearest_point),
       cmocka_unit_test(a_bar_names_its_one_component),
       cmocka_unit_test(a_field_that_no_probe_can_show_is_refused_with_its_place),
+      cmocka_unit_test(supports_add_the_sum_of_their_own_reactions),
       cmocka_unit_test(the_imbalance_is_what_work_does_not_explain),
       cmocka_unit_test(momentum_residuals_are_over_the_largest_scale),
       cmocka_unit_test(rows_come_every_so_many_steps_and_at_the_end),

@@ -25,7 +25,7 @@ static void run(body *b, sdr_observer *observer, int from, int to)
 {
   for (int step = from; step <= to; ++step) {
     body_at(b, step);
-    b->system.u[0][1] = step;
+    b->system->u[0][1] = step;
     b->model.damage[1] = 0.001 * step;
     assert_int_equal(body_show(b, observer), SDR_OK);
   }
@@ -159,8 +159,8 @@ static void points_stand_in_the_order_of_generation(void **state)
   memcpy(b.points->generated, order, sizeof order);
   for (int i = 0; i < 3; ++i) {
     b.points->volume[i] = 10.0 + i;
-    b.system.u[0][i] = 1.0 + i;
-    b.system.u[1][i] = -1.0 - i;
+    b.system->u[0][i] = 1.0 + i;
+    b.system->u[1][i] = -1.0 - i;
   }
   sdr_observer *observer = make(&b, 1);
   assert_int_equal(body_show(&b, observer), SDR_OK);
@@ -318,7 +318,7 @@ static void a_frame_at_the_checkpoint_is_kept_or_made_up(void **state)
     observer->ops->destroy(observer);
     observer = make(&b, 4);
     body_at(&b, 50);
-    b.system.u[0][1] = 50.0;
+    b.system->u[0][1] = 50.0;
     b.model.damage[1] = 0.05;
     assert_int_equal(observer->ops->resumed(observer, &b.moment), SDR_OK);
     expect_frames(&b, 3, (const int[]){0, 25, 50});
