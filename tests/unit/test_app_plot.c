@@ -1,0 +1,722 @@
+/* app: pictures of a run, and the raster behind them. */
+#include "app/plot.h"
+#include "app/plot_field.h"
+#include "app/plot_gnuplot.h"
+#include "app/plot_units.h"
+#include "app/raster.h"
+#include "base/memory.h"
+#include "support/cmocka_all.h"
+#include "support/made_run.h"
+
+static const made_run small_ring = {
+    .dimension = 2, .cells = 40, .cracks = 5, .law = "variational", .frames = 3};
+
+static void assert_close(double value, double expected, double tolerance)
+{
+  if (!(fabs(value - expected) <= tolerance)) print_error("%.17g is not %.17g\n", value, expected);
+  assert_true(fabs(value - expected) <= tolerance);
+}
+
+/* ---- raster ---- */
+
+typedef struct {
+  sdr_cloud cloud;
+  sdr_extent extent;
+  sdr_raster raster;
+  double *position[3];
+  float *value;
+} painted;
+
+/* The made body with value 1 + index, painted `target` pixels wide. */
+static painted paint(const made_run *run, int target)
+{
+  painted all = {0};
+  made_points points = made_body(run);
+  all.value = malloc((size_t)points.count * sizeof *all.value);
+  for (int c = 0; c < 3; ++c) {
+    all.position[c] = malloc((size_t)points.count * sizeof(double));
+    for (int i = 0; i < points.count; ++i) all.position[c][i] = points.x[3 * i + c];
+    all.cloud.position[c] = all.position[c];
+  }
+  for (int i = 0; i < points.count; ++i) all.value[i] = (float)(1 + i);
+  all.cloud.count = points.count;
+  all.cloud.dimension = run->dimension;
+  free(points.x);
+  assert_int_equal(sdr_raster_measure(&all.cloud, &all.extent), SDR_OK);
+  const sdr_window window = sdr_raster_window(&all.extent, 1, target);
+  assert_int_equal(sdr_raster_paint(&all.cloud, &all.extent, all.value, &window, &all.raster),
+                   SDR_OK);
+  return all;
+}
+
+static void wipe(painted *all)
+{
+  sdr_raster_clear(&all->raster);
+  for (int c = 0; c < 3; ++c) free(all->position[c]);
+  free(all->value);
+}
+
+static float pixel_at(const sdr_raster *raster, double x, double y)
+{
+  const sdr_window *w = &raster->window;
+  const int column = (int)floor((x - w->left) / w->pixel),
+            row = (int)floor((y - w->bottom) / w->pixel);
+  return raster->value[(size_t)row * (size_t)w->width + (size_t)column];
+}
+
+static void each_cell_of_a_lattice_covers_the_same_whole_number_of_pixels(void **state)
+{
+  (void)state;
+  painted all = paint(&small_ring, 300);
+  const double across = all.extent.spacing / all.raster.window.pixel;
+  assert_true(all.extent.lattice);
+  assert_close(all.extent.spacing, 0.298 / 40, 1e-12);
+  assert_close(across, round(across), 1e-9);
+  int *pixels = calloc((size_t)all.cloud.count, sizeof *pixels);
+  const size_t count = (size_t)all.raster.window.width * (size_t)all.raster.window.height;
+  for (size_t k = 0; k < count; ++k)
+    if (!isnan(all.raster.value[k])) ++pixels[(int)all.raster.value[k] - 1];
+  for (int i = 0; i < all.cloud.count; ++i)
+    assert_int_equal(pixels[i], (int)(round(across) * round(across)));
+  free(pixels);
+  wipe(&all);
+}
+
+/* Every pixel that is a spacing inside of the ring has a value, none that is one outside. */
+static void check_ring_is_closed(const made_run *run)
+{
+  painted all = paint(run, 500);
+  const sdr_window *w = &all.raster.window;
+  const double h = 0.298 / run->cells;
+  int holes = 0, spills = 0;
+  for (int row = 0; row < w->height; ++row)
+    for (int column = 0; column < w->width; ++column) {
+      const double r =
+          hypot(w->left + (column + 0.5) * w->pixel, w->bottom + (row + 0.5) * w->pixel);
+      const int body = !isnan(all.raster.value[(size_t)row * (size_t)w->width + (size_t)column]);
+      holes += !body && r > 0.081 + 1.5 * h && r < 0.149 - 1.5 * h;
+      spills += body && (r < 0.081 - h || r > 0.149 + h);
+    }
+  assert_int_equal(holes, 0);
+  assert_int_equal(spills, 0);
+  assert_false(all.extent.lattice);
+  wipe(&all);
+}
+
+static void turned_and_jittered_points_leave_no_hole_and_no_spill(void **state)
+{
+  (void)state;
+  made_run run = small_ring;
+  run.cells = 100;
+  run.turn = 0.39;
+  check_ring_is_closed(&run);
+  run.jitter = 0.2;
+  check_ring_is_closed(&run);
+  run.turn = 0.0;
+  check_ring_is_closed(&run);
+}
+
+static void a_pixel_off_the_lattice_shows_its_nearest_point(void **state)
+{
+  (void)state;
+  made_run run = small_ring;
+  run.turn = 0.39;
+  painted all = paint(&run, 400);
+  for (int i = 0; i < all.cloud.count; ++i)
+    assert_int_equal(pixel_at(&all.raster, all.position[0][i], all.position[1][i]), 1 + i);
+  wipe(&all);
+}
+
+static void the_spacing_does_not_depend_on_the_thickness(void **state)
+{
+  (void)state;
+  painted all = paint(&small_ring, 100);
+  double *volume = malloc((size_t)all.cloud.count * sizeof *volume);
+  for (int i = 0; i < all.cloud.count; ++i) volume[i] = 1e3;
+  all.cloud.volume = volume;
+  sdr_extent extent;
+  assert_int_equal(sdr_raster_measure(&all.cloud, &extent), SDR_OK);
+  assert_close(extent.spacing, all.extent.spacing, 1e-15);
+  assert_true(extent.lattice);
+  free(volume);
+  wipe(&all);
+}
+
+static void a_body_of_two_spacings_is_closed(void **state)
+{
+  (void)state;
+  enum { N = 20, M = 40 };
+  double x[N * N + M * M], y[N * N + M * M], z[N * N + M * M] = {0.0}, volume[N * N + M * M];
+  float value[N * N + M * M];
+  int count = 0;
+  for (int k = 0; k < N * N; ++k, ++count) {
+    x[count] = -N + k % N + 0.5;
+    y[count] = k / N + 0.5;
+    volume[count] = 2.0;
+  }
+  for (int k = 0; k < M * M; ++k, ++count) {
+    x[count] = 0.5 * (k % M) + 0.25;
+    y[count] = 0.5 * (double)(k / M) + 0.25;
+    volume[count] = 0.5;
+  }
+  for (int i = 0; i < count; ++i) value[i] = x[i] < 0.0 ? 1.0F : 2.0F;
+  const sdr_cloud cloud = {count, 2, {x, y, z}, volume};
+  sdr_extent extent;
+  sdr_raster raster;
+  assert_int_equal(sdr_raster_measure(&cloud, &extent), SDR_OK);
+  assert_close(extent.spacing, 0.5, 1e-12);
+  const sdr_window window = sdr_raster_window(&extent, 1, 400);
+  assert_int_equal(sdr_raster_paint(&cloud, &extent, value, &window, &raster), SDR_OK);
+  for (double a = -N + 0.6; a < N - 0.6; a += 0.11)
+    for (double b = 0.6; b < N - 0.6; b += 0.11) {
+      const float seen = pixel_at(&raster, a, b);
+      assert_true(seen > 0.0F);
+      if (fabs(a) > 0.3) assert_true(seen == (a < 0.0 ? 1.0F : 2.0F));
+    }
+  sdr_raster_clear(&raster);
+}
+
+static void the_nearer_cube_hides_the_farther(void **state)
+{
+  (void)state;
+  const made_run block = {.dimension = 3, .cells = 8, .law = "none", .frames = 1};
+  painted all = paint(&block, 200);
+  double plane[2], depth;
+  /* the top face of a corner that the eye sees: x largest, y smallest, z largest */
+  int nearest = 0;
+  double best = -INFINITY;
+  for (int i = 0; i < all.cloud.count; ++i) {
+    const double at[3] = {all.position[0][i], all.position[1][i], all.position[2][i]};
+    sdr_raster_project(at, 3, plane, &depth);
+    if (depth > best) nearest = i;
+    best = fmax(best, depth);
+  }
+  const double corner[3] = {all.position[0][nearest], all.position[1][nearest],
+                            all.position[2][nearest]};
+  sdr_raster_project(corner, 3, plane, &depth);
+  assert_int_equal(pixel_at(&all.raster, plane[0], plane[1]), 1 + nearest);
+  float shades = 0.0F;
+  for (int k = 0; k < all.raster.window.width * all.raster.window.height; ++k)
+    if (!isnan(all.raster.value[k])) shades = fmaxf(shades, 1.0F - all.raster.shade[k]);
+  assert_true(shades > 0.1F);
+  wipe(&all);
+}
+
+static void cells_smaller_than_pixels_show_the_largest_magnitude(void **state)
+{
+  (void)state;
+  enum { N = 1000 };
+  double *x = malloc(N * N * sizeof *x), *y = malloc(N * N * sizeof *y);
+  float *value = calloc(N * N, sizeof *value);
+  for (int k = 0; k < N * N; ++k) {
+    x[k] = k % N;
+    y[k] = (double)(k / N);
+  }
+  for (int k = 0; k < N; ++k) value[N * 500 + k] = -1.0F; /* a crack of one row */
+  const sdr_cloud cloud = {N * N, 2, {x, y, y}, NULL};
+  sdr_extent extent;
+  sdr_raster raster;
+  assert_int_equal(sdr_raster_measure(&cloud, &extent), SDR_OK);
+  const sdr_window window = sdr_raster_window(&extent, 1, 100);
+  assert_true(window.pixel > 3.0 && window.width < 400);
+  assert_int_equal(sdr_raster_paint(&cloud, &extent, value, &window, &raster), SDR_OK);
+  for (int k = 5; k < N - 5; ++k) assert_true(pixel_at(&raster, k, 500.0) == -1.0F);
+  sdr_raster_clear(&raster);
+  free(x);
+  free(y);
+  free(value);
+}
+
+static void one_point_and_points_in_one_place_are_drawn(void **state)
+{
+  (void)state;
+  const double x[3] = {0.5, 0.5, 0.5}, zero[3] = {0.0, 0.0, 0.0};
+  const float value[3] = {1.0F, 1.0F, 1.0F};
+  for (int count = 1; count <= 3; count += 2) {
+    const sdr_cloud cloud = {count, 2, {x, zero, zero}, NULL};
+    sdr_extent extent;
+    sdr_raster raster;
+    assert_int_equal(sdr_raster_measure(&cloud, &extent), SDR_OK);
+    const sdr_window window = sdr_raster_window(&extent, 1, 50);
+    assert_int_equal(sdr_raster_paint(&cloud, &extent, value, &window, &raster), SDR_OK);
+    assert_true(pixel_at(&raster, 0.5, 0.0) == 1.0F);
+    sdr_raster_clear(&raster);
+  }
+}
+
+static void points_without_a_finite_value_stay_empty(void **state)
+{
+  (void)state;
+  painted all = paint(&small_ring, 100);
+  const sdr_window window = all.raster.window;
+  sdr_raster_clear(&all.raster);
+  all.value[7] = NAN;
+  all.value[9] = INFINITY;
+  assert_int_equal(sdr_raster_paint(&all.cloud, &all.extent, all.value, &window, &all.raster),
+                   SDR_OK);
+  assert_true(isnan(pixel_at(&all.raster, all.position[0][7], all.position[1][7])));
+  assert_true(isnan(pixel_at(&all.raster, all.position[0][9], all.position[1][9])));
+  assert_int_equal(pixel_at(&all.raster, all.position[0][8], all.position[1][8]), 9);
+  wipe(&all);
+}
+
+/* ---- units and colours ---- */
+
+static void numbers_get_the_prefix_that_makes_them_readable(void **state)
+{
+  (void)state;
+  static const struct {
+    double value;
+    const char *unit, *text;
+  } cases[] = {{43.6e-6, "s", "43.6 us"},
+               {1e-3, "m", "1 mm"},
+               {0.0, "J", "0 J"},
+               {-12345.0, "J", "-12.35 kJ"},
+               {999.96, "Pa", "1000 Pa"},
+               {2.5, "", "2.5"},
+               {NAN, "J", "-"},
+               {1e30, "J", "1e+30 J"}};
+  char text[64];
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+    sdr_quantity(cases[k].value, cases[k].unit, 4, text, sizeof text);
+    assert_string_equal(text, cases[k].text);
+  }
+  sdr_time_text(1.5e-3, text, sizeof text);
+  assert_string_equal(text, "1500 µs");
+  sdr_axis_label("strain xx", "", sdr_prefix_for(2e-4), text, sizeof text);
+  assert_string_equal(text, "strain xx (10⁻⁶)");
+}
+
+static double lightness(const unsigned char rgb[3])
+{
+  return 0.2126 * pow(rgb[0], 2.2) + 0.7152 * pow(rgb[1], 2.2) + 0.0722 * pow(rgb[2], 2.2);
+}
+
+static void damage_darkens_all_along_its_scale(void **state)
+{
+  (void)state;
+  unsigned char rgb[3];
+  double before = INFINITY;
+  for (int k = 0; k <= 100; ++k) {
+    sdr_palette_colour(&sdr_palette_damage, k / 100.0, rgb);
+    assert_true(lightness(rgb) < before);
+    before = lightness(rgb);
+  }
+}
+
+/* ---- the command ---- */
+
+/* Run sdr_plot on a made directory; what it printed, without the directory's name. */
+static sdr_status plot(const char *directory, const char *field, double time, const char *png,
+                       char *printed, size_t room)
+{
+  const sdr_plot_options options = {directory, field, time, png};
+  char *text = NULL;
+  size_t length = 0;
+  FILE *out = open_memstream(&text, &length);
+  const sdr_status status = sdr_plot(&options, out);
+  fclose(out);
+  const size_t skip = strlen(directory);
+  size_t written = 0;
+  for (const char *c = text; *c && written + 4 < room;) {
+    const int found = strncmp(c, directory, skip) == 0;
+    if (found)
+      memcpy(printed + written, "DIR", 3);
+    else
+      printed[written] = *c;
+    written += found ? 3 : 1;
+    c += found ? skip : 1;
+  }
+  printed[written] = '\0';
+  free(text);
+  return status;
+}
+
+/* Width and height of a PNG; 0 if there is no such file. */
+static int png_size(const char *directory, const char *name, int *height)
+{
+  char path[600];
+  unsigned char head[24] = {0};
+  snprintf(path, sizeof path, "%s/%s", directory, name);
+  FILE *file = fopen(path, "rb");
+  if (!file) return 0;
+  assert_int_equal(fread(head, 1, 24, file), 24);
+  fclose(file);
+  assert_memory_equal(head, "\x89PNG\r\n\x1a\n", 8);
+  *height = head[22] << 8 | head[23];
+  return head[18] << 8 | head[19];
+}
+
+static void a_plot_writes_the_field_and_the_ledger(void **state)
+{
+  (void)state;
+  char dir[512], printed[2000];
+  int height = 0;
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  assert_int_equal(plot(dir, NULL, NAN, NULL, printed, sizeof printed), SDR_OK);
+  assert_string_equal(printed, "DIR/ledger.png: energies over time\n"
+                               "DIR/damage.png: damage at 100 us, frame 3 of 3\n");
+  assert_int_equal(png_size(dir, "ledger.png", &height), 1600);
+  assert_true(png_size(dir, "damage.png", &height) > 1200 && height > 1000 && height < 2200);
+  made_run_remove(dir);
+}
+
+static void a_named_file_gets_the_field_alone(void **state)
+{
+  (void)state;
+  char dir[512], png[600], printed[2000];
+  int height = 0;
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  snprintf(png, sizeof png, "%s/x.png", dir);
+  assert_int_equal(plot(dir, "stress.xy", 4e-5, png, printed, sizeof printed), SDR_OK);
+  assert_string_equal(printed, "DIR/x.png: stress xy at 50 us, frame 2 of 3\n");
+  assert_true(png_size(dir, "x.png", &height) > 1200);
+  assert_int_equal(png_size(dir, "ledger.png", &height), 0);
+  assert_int_equal(png_size(dir, "stress.xy.png", &height), 0);
+  made_run_remove(dir);
+}
+
+static void bodies_in_one_and_three_dimensions_are_drawn(void **state)
+{
+  (void)state;
+  char dir[512], printed[2000];
+  int height = 0;
+  for (int dimension = 1; dimension <= 3; dimension += 2) {
+    const made_run run = {.dimension = dimension, .cells = 12, .law = "none", .frames = 2};
+    made_run_write(made_run_name("plot", dir), &run);
+    assert_int_equal(plot(dir, "displacement", NAN, NULL, printed, sizeof printed), SDR_OK);
+    assert_true(png_size(dir, "displacement.png", &height) > 1000);
+    made_run_remove(dir);
+  }
+}
+
+static void an_unfinished_run_is_drawn_as_far_as_it_is(void **state)
+{
+  (void)state;
+  char dir[512], path[600], printed[2000];
+  made_run run = small_ring;
+  run.without_summary = 1;
+  made_run_write(made_run_name("plot", dir), &run);
+  snprintf(path, sizeof path, "%s/history.csv", dir);
+  FILE *history = fopen(path, "a");
+  fputs("1e-4,12.5,1", history); /* a row that is being written */
+  fclose(history);
+  assert_int_equal(plot(dir, NULL, NAN, NULL, printed, sizeof printed), SDR_OK);
+  assert_string_equal(printed,
+                      "DIR: no summary.json, so this run has not finished; drawing what is there\n"
+                      "DIR/ledger.png: energies over time\n"
+                      "DIR/damage.png: damage at 100 us, frame 3 of 3\n");
+  made_run_remove(dir);
+}
+
+static void a_frame_without_its_time_does_not_count(void **state)
+{
+  (void)state;
+  char dir[512], path[600];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  snprintf(path, sizeof path, "%s/snapshots.h5", dir);
+  const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Ldelete(file, "/frame_0002/time", H5P_DEFAULT);
+  H5Fclose(file);
+  sdr_rundata *run = NULL;
+  assert_int_equal(sdr_rundata_open(dir, &run), SDR_OK);
+  assert_int_equal(run->frame_count, 2);
+  assert_int_equal(run->dimension, 2);
+  sdr_rundata_destroy(&run);
+  assert_null(run);
+  made_run_remove(dir);
+}
+
+static void check_component(const sdr_rundata *run, const char *name, double expected,
+                            const char *label)
+{
+  sdr_plot_field field;
+  assert_int_equal(sdr_plot_field_read(run, 2, name, &field), SDR_OK);
+  assert_close((double)field.value[0], expected, 1e-5 * fabs(expected));
+  assert_string_equal(field.label, label);
+  sdr_plot_field_clear(&field);
+}
+
+static void a_field_alone_is_its_magnitude_and_components_have_names(void **state)
+{
+  (void)state;
+  char dir[512];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  sdr_rundata *run = NULL;
+  assert_int_equal(sdr_rundata_open(dir, &run), SDR_OK);
+  const double x = run->position[0][0], y = run->position[1][0], r = hypot(x, y);
+  const double xx = 2e8 * x / r, yy = 1e8 * (0.2 + r), xy = -1e8;
+  check_component(run, "displacement", 1e-4, "displacement magnitude");
+  check_component(run, "displacement.y", 1e-4 * y / r, "displacement y");
+  check_component(run, "stress.xx", xx, "stress xx");
+  check_component(run, "stress.xy", xy, "stress xy");
+  check_component(run, "stress", sqrt(xx * xx + yy * yy + 2.0 * xy * xy), "stress magnitude");
+  sdr_rundata_destroy(&run);
+  made_run_remove(dir);
+}
+
+static void colour_scales_follow_the_signs_of_the_values(void **state)
+{
+  (void)state;
+  char dir[512];
+  sdr_rundata *run = NULL;
+  sdr_plot_field field;
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  assert_int_equal(sdr_rundata_open(dir, &run), SDR_OK);
+  assert_int_equal(sdr_plot_field_read(run, 2, "damage", &field), SDR_OK);
+  assert_true(field.low == 0.0 && field.high == 1.0);
+  sdr_plot_field_clear(&field);
+  assert_int_equal(sdr_plot_field_read(run, 2, "stress.xx", &field), SDR_OK);
+  assert_ptr_equal(field.palette, &sdr_palette_diverging);
+  assert_true(field.low == -field.high);
+  sdr_plot_field_clear(&field);
+  assert_int_equal(sdr_plot_field_read(run, 2, "stress.xy", &field), SDR_OK);
+  assert_ptr_equal(field.palette, &sdr_palette_reversed);
+  assert_true(field.low < field.high);
+  sdr_plot_field_clear(&field);
+  sdr_rundata_destroy(&run);
+  made_run_remove(dir);
+}
+
+/* ---- what can go wrong ---- */
+
+/* The message, without the directory's name. */
+static void check_failure(const char *dir, const char *field, double time, const char *png,
+                          sdr_status expected, const char *message)
+{
+  char printed[2000], cleaned[2000] = "";
+  assert_int_equal(plot(dir, field, time, png, printed, sizeof printed), expected);
+  const char *said = sdr_error_message(), *found = strstr(said, dir);
+  if (found)
+    snprintf(cleaned, sizeof cleaned, "%.*sDIR%s", (int)(found - said), said, found + strlen(dir));
+  else
+    snprintf(cleaned, sizeof cleaned, "%s", said);
+  assert_string_equal(cleaned, message);
+}
+
+static void a_wrong_request_says_what_there_is(void **state)
+{
+  (void)state;
+  char dir[512], png[600];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  snprintf(png, sizeof png, "%s/x.png", dir);
+  check_failure(dir, "damag", NAN, png, SDR_BAD_INPUT,
+                "DIR/snapshots.h5: no field \"damag\"; present: damage, displacement, stress; the "
+                "scene's output.fields says which are written");
+  check_failure(dir, "time", NAN, png, SDR_BAD_INPUT,
+                "DIR/snapshots.h5: no field \"time\"; present: damage, displacement, stress; the "
+                "scene's output.fields says which are written");
+  check_failure(dir, "stress.zz", NAN, png, SDR_BAD_INPUT,
+                "field \"stress\" has no component \"zz\"; it has: xx yy xy");
+  check_failure(dir, "damage.x1", NAN, png, SDR_BAD_INPUT,
+                "field \"damage\" has no named components; give \"damage\" alone");
+  check_failure(dir, "../stress", NAN, NULL, SDR_BAD_INPUT,
+                "\"../stress\" is not the name of a field");
+  check_failure(dir, NULL, 2e-4, png, SDR_BAD_INPUT,
+                "DIR: time 200 us is outside of the snapshots, which reach from 0 s to 100 us");
+  check_failure(dir, NULL, -1e-3, png, SDR_BAD_INPUT,
+                "DIR: time -1 ms is outside of the snapshots, which reach from 0 s to 100 us");
+  made_run_remove(dir);
+}
+
+static void a_directory_that_is_no_run_is_refused(void **state)
+{
+  (void)state;
+  char dir[512], path[600];
+  made_run_name("plot", dir);
+  check_failure(dir, NULL, NAN, NULL, SDR_IO_ERROR,
+                "DIR: No such file or directory; give the directory of a run");
+  mkdir(dir, 0777);
+  check_failure(dir, NULL, NAN, NULL, SDR_BAD_INPUT,
+                "DIR: not a run's directory; it holds no summary.json, history.csv or "
+                "snapshots.h5");
+  snprintf(path, sizeof path, "%s/history.csv", dir);
+  fclose(fopen(path, "w"));
+  check_failure(path, NULL, NAN, NULL, SDR_BAD_INPUT,
+                "DIR: not a directory; give the directory of a run");
+  made_run_remove(dir);
+}
+
+static void a_run_without_snapshots_still_gets_its_ledger(void **state)
+{
+  (void)state;
+  char dir[512];
+  int height = 0;
+  made_run run = small_ring;
+  run.frames = 0;
+  made_run_write(made_run_name("plot", dir), &run);
+  check_failure(
+      dir, NULL, NAN, NULL, SDR_BAD_INPUT,
+      "DIR: no snapshots, so there is no field to draw; the scene's output.snapshots must "
+      "be above 0 (now perhaps \"output.snapshots: 0\")");
+  assert_int_equal(png_size(dir, "ledger.png", &height), 1600);
+  made_run_remove(dir);
+}
+
+static void write_text(const char *dir, const char *name, const char *text)
+{
+  char path[600];
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  FILE *file = fopen(path, "w");
+  fputs(text, file);
+  fclose(file);
+}
+
+static void broken_files_are_named(void **state)
+{
+  (void)state;
+  char dir[512];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  write_text(dir, "history.csv", "time,kinetic\n0,1\n1,two\n");
+  check_failure(dir, NULL, NAN, NULL, SDR_BAD_INPUT,
+                "DIR/history.csv:3: column 2 of 2 is not a number");
+  write_text(dir, "history.csv", "time,kinetic\n0,1\n1\n");
+  check_failure(dir, NULL, NAN, NULL, SDR_BAD_INPUT,
+                "DIR/history.csv:3: column 1 of 2 is not a number");
+  write_text(dir, "history.csv", "kinetic,stored\n0,1\n");
+  check_failure(
+      dir, NULL, NAN, NULL, SDR_BAD_INPUT,
+      "DIR/history.csv: missing, or without a column \"time\", so there are no energies to "
+      "draw");
+  write_text(dir, "summary.json", "[1, 2]");
+  check_failure(dir, NULL, NAN, NULL, SDR_BAD_INPUT, "DIR/summary.json: not a JSON object");
+  write_text(dir, "summary.json", "{}");
+  write_text(dir, "snapshots.h5", "not HDF5");
+  check_failure(
+      dir, NULL, NAN, NULL, SDR_IO_ERROR,
+      "DIR/snapshots.h5: not a readable HDF5 file; it may be truncated, or its first frame "
+      "is not written yet");
+  made_run_remove(dir);
+}
+
+static void a_truncated_snapshot_file_never_crashes(void **state)
+{
+  (void)state;
+  char dir[512], path[600], printed[2000];
+  const made_run bar = {.dimension = 1, .cells = 50, .law = "none", .frames = 2};
+  made_run_write(made_run_name("plot", dir), &bar);
+  snprintf(path, sizeof path, "%s/snapshots.h5", dir);
+  struct stat info;
+  assert_int_equal(stat(path, &info), 0);
+  for (off_t size = info.st_size - 1; size > 0; size -= 997) {
+    assert_int_equal(truncate(path, size), 0);
+    assert_int_equal(plot(dir, NULL, NAN, path, printed, sizeof printed), SDR_IO_ERROR);
+  }
+  made_run_remove(dir);
+}
+
+static void a_picture_that_cannot_be_written_is_an_io_error(void **state)
+{
+  (void)state;
+  char dir[512];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  check_failure(dir, NULL, NAN, "/nowhere/at/all.png", SDR_IO_ERROR,
+                "/nowhere/at/all.png: cannot be written: No such file or directory");
+  check_failure(dir, NULL, NAN, dir, SDR_IO_ERROR, "DIR: cannot be written: Is a directory");
+  made_run_remove(dir);
+}
+
+/* With a PATH of one directory, in which `program` (NULL: nothing) stands as gnuplot. */
+static void check_with_gnuplot(const char *program, const char *message)
+{
+  char dir[512], fake[600];
+  char *path = strdup(getenv("PATH"));
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  snprintf(fake, sizeof fake, "%s/gnuplot", dir);
+  if (program) {
+    write_text(dir, "gnuplot", program);
+    chmod(fake, 0755);
+  }
+  setenv("PATH", dir, 1);
+  check_failure(dir, NULL, NAN, NULL, SDR_IO_ERROR, message);
+  setenv("PATH", path, 1);
+  unlink(fake);
+  assert_int_equal(access(dir, F_OK), 0);
+  made_run_remove(dir);
+  assert_int_not_equal(access(dir, F_OK), 0); /* no temporary file was left */
+  free(path);
+}
+
+static void a_missing_or_failing_gnuplot_is_explained(void **state)
+{
+  (void)state;
+  check_with_gnuplot(NULL, "gnuplot is not installed, and pictures need it; install the Debian "
+                           "package gnuplot-nox");
+  check_with_gnuplot("#!/bin/sh\necho unknown terminal >&2\nexit 1\n",
+                     "gnuplot failed with status 1: unknown terminal");
+  check_with_gnuplot("#!/bin/sh\nkill -9 $$\n", "gnuplot was stopped by signal 9: ");
+  check_with_gnuplot("#!/bin/sh\nwhile read -r line; do :; done\nexit 0\n",
+                     "DIR/ledger.png: gnuplot wrote no whole picture; is the disk full?");
+}
+
+static void a_title_cannot_give_gnuplot_orders(void **state)
+{
+  (void)state;
+  char dir[512], text[2000], bad[600], printed[2000];
+  const made_run bar = {.dimension = 1, .cells = 20, .law = "none", .frames = 1};
+  made_run_write(made_run_name("plot", dir), &bar);
+  snprintf(bad, sizeof bad, "%s/x.png", dir);
+  snprintf(text, sizeof text,
+           "{\"title\": \"it's '; system('touch %s') # \\\\ \\n system('touch %s') %%d ` \"}", bad,
+           bad);
+  write_text(dir, "summary.json", text);
+  assert_int_equal(plot(dir, NULL, NAN, NULL, printed, sizeof printed), SDR_OK);
+  assert_int_not_equal(access(bad, F_OK), 0);
+  made_run_remove(dir);
+}
+
+static void every_failing_allocation_comes_back_as_an_error(void **state)
+{
+  (void)state;
+  char dir[512], png[600], printed[2000];
+  const made_run run = {.dimension = 2, .cells = 12, .cracks = 3, .law = "none", .frames = 1};
+  made_run_write(made_run_name("plot", dir), &run);
+  snprintf(png, sizeof png, "%s/x.png", dir);
+  const size_t before = sdr_memory_now();
+  sdr_status status = SDR_RUN_FAILED;
+  int successes = 0;
+  for (; status != SDR_OK && successes < 1000; ++successes) {
+    sdr_memory_fail_after(successes);
+    status = plot(dir, NULL, NAN, png, printed, sizeof printed);
+    sdr_memory_fail_after(-1);
+    if (status != SDR_OK) assert_int_equal(status, SDR_RUN_FAILED);
+    assert_int_equal(sdr_memory_now(), before);
+  }
+  assert_int_equal(status, SDR_OK);
+  assert_true(successes > 20);
+  made_run_remove(dir);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(each_cell_of_a_lattice_covers_the_same_whole_number_of_pixels),
+      cmocka_unit_test(turned_and_jittered_points_leave_no_hole_and_no_spill),
+      cmocka_unit_test(a_pixel_off_the_lattice_shows_its_nearest_point),
+      cmocka_unit_test(the_spacing_does_not_depend_on_the_thickness),
+      cmocka_unit_test(a_body_of_two_spacings_is_closed),
+      cmocka_unit_test(the_nearer_cube_hides_the_farther),
+      cmocka_unit_test(cells_smaller_than_pixels_show_the_largest_magnitude),
+      cmocka_unit_test(one_point_and_points_in_one_place_are_drawn),
+      cmocka_unit_test(points_without_a_finite_value_stay_empty),
+      cmocka_unit_test(numbers_get_the_prefix_that_makes_them_readable),
+      cmocka_unit_test(damage_darkens_all_along_its_scale),
+      cmocka_unit_test(a_plot_writes_the_field_and_the_ledger),
+      cmocka_unit_test(a_named_file_gets_the_field_alone),
+      cmocka_unit_test(bodies_in_one_and_three_dimensions_are_drawn),
+      cmocka_unit_test(an_unfinished_run_is_drawn_as_far_as_it_is),
+      cmocka_unit_test(a_frame_without_its_time_does_not_count),
+      cmocka_unit_test(a_field_alone_is_its_magnitude_and_components_have_names),
+      cmocka_unit_test(colour_scales_follow_the_signs_of_the_values),
+      cmocka_unit_test(a_wrong_request_says_what_there_is),
+      cmocka_unit_test(a_directory_that_is_no_run_is_refused),
+      cmocka_unit_test(a_run_without_snapshots_still_gets_its_ledger),
+      cmocka_unit_test(broken_files_are_named),
+      cmocka_unit_test(a_truncated_snapshot_file_never_crashes),
+      cmocka_unit_test(a_picture_that_cannot_be_written_is_an_io_error),
+      cmocka_unit_test(a_missing_or_failing_gnuplot_is_explained),
+      cmocka_unit_test(a_title_cannot_give_gnuplot_orders),
+      cmocka_unit_test(every_failing_allocation_comes_back_as_an_error),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
