@@ -179,6 +179,67 @@ void sdr_read_regions(sdr_reading *rd)
   }
 }
 
+/* ---- holes -----------------------------------------------------------------------------------
+
+   The rim of a hole looks into the hole, out of the body, so that a pressure on it pushes into the
+   body. A region that the body has taken away is therefore named as what is left of space without
+   it: geometry turns the normals of what a difference takes away. */
+
+static int is_same_shape(const sdr_shape *a, const sdr_shape *b)
+{
+  return a->kind == b->kind && memcmp(a->centre, b->centre, sizeof a->centre) == 0 &&
+         memcmp(a->low, b->low, sizeof a->low) == 0 &&
+         memcmp(a->high, b->high, sizeof a->high) == 0 &&
+         memcmp(a->normal, b->normal, sizeof a->normal) == 0 &&
+         memcmp(&a->inner, &b->inner, sizeof a->inner) == 0 &&
+         memcmp(&a->outer, &b->outer, sizeof a->outer) == 0 &&
+         memcmp(&a->angle, &b->angle, sizeof a->angle) == 0 && a->parts == b->parts &&
+         a->vertices == b->vertices;
+}
+
+/* 1 if `body` takes `part` away (an odd number of times on the way to it). */
+static int takes_away(const sdr_shape *body, const sdr_shape *part, int away)
+{
+  if (away && is_same_shape(body, part)) return 1;
+  for (int k = 0; k < body->part_count; ++k) {
+    const int turned = body->kind == SDR_DIFFERENCE && k > 0;
+    if (takes_away(&body->parts[k], part, turned ? !away : away)) return 1;
+  }
+  return 0;
+}
+
+static sdr_shape *shape_room(sdr_reading *rd, size_t count)
+{
+  sdr_shape *shapes = sdr_store_alloc(rd->reader->store, count, sizeof *shapes);
+  if (!shapes) sdr_read_fatal(rd->reader, SDR_RUN_FAILED);
+  return shapes;
+}
+
+/* All of space (two half spaces, which have no faces) without `hole`; NULL: memory. */
+static sdr_shape *space_without(sdr_reading *rd, const sdr_shape *hole)
+{
+  sdr_shape *whole = shape_room(rd, 1), *parts = shape_room(rd, 2), *halves = shape_room(rd, 2);
+  if (!whole || !parts || !halves) return NULL;
+  for (int k = 0; k < 2; ++k) {
+    halves[k].kind = SDR_HALF_SPACE;
+    halves[k].normal[0] = k ? -1 : 1;
+    halves[k].primitive_count = 1;
+    halves[k].origin = hole->origin;
+  }
+  parts[0] = (sdr_shape){.kind = SDR_UNION,
+                         .part_count = 2,
+                         .parts = halves,
+                         .primitive_count = 2,
+                         .origin = hole->origin};
+  parts[1] = *hole;
+  *whole = (sdr_shape){.kind = SDR_DIFFERENCE,
+                       .part_count = 2,
+                       .parts = parts,
+                       .primitive_count = 2 + hole->primitive_count,
+                       .origin = hole->origin};
+  return whole;
+}
+
 /* ---- places ---------------------------------------------------------------------------------- */
 
 static int named_place(sdr_reading *rd, const sdr_node *node, sdr_place *out)
@@ -191,6 +252,10 @@ static int named_place(sdr_reading *rd, const sdr_node *node, sdr_place *out)
     out->shape =
         strcmp(owner, "body") == 0 ? rd->scene->points.shape : sdr_read_region(rd, node, owner);
     if (!out->shape || !check_face(rd, node, out->shape, owner, dot + 1)) return 0;
+    if (rd->scene->points.shape && takes_away(rd->scene->points.shape, out->shape, 0)) {
+      out->shape = space_without(rd, out->shape);
+      if (!out->shape) return 0;
+    }
     snprintf(out->face, sizeof out->face, "%s", dot + 1);
     return 1;
   }

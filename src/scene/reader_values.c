@@ -81,7 +81,7 @@ int sdr_read_relative_node(sdr_reader *reader, sdr_node *node, sdr_unit unit, co
   if (sdr_expression_uses(expression) == 0) {
     double value;
     sdr_expression_value(expression, (double[3]){0, 0, 0}, 0, &value);
-    node->canonical = sdr_store_format(reader->store, "%.17g%s", value,
+    node->canonical = sdr_store_format(reader->store, "%.15g%s", value,
                                        is_relative && *is_relative ? relative : "");
     if (!node->canonical) sdr_read_fatal(reader, SDR_RUN_FAILED);
   }
@@ -198,7 +198,7 @@ static int read_constant(sdr_reader *reader, sdr_node *node, const char *relativ
   }
   sdr_expression_destroy(&expression);
   if (!good) return 0;
-  node->canonical = sdr_store_format(reader->store, "%.17g%s%s", value, is_relative ? " " : "",
+  node->canonical = sdr_store_format(reader->store, "%.15g%s%s", value, is_relative ? " " : "",
                                      is_relative ? relative : "");
   if (!node->canonical) sdr_read_fatal(reader, SDR_RUN_FAILED);
   *out = (sdr_length){value, is_relative};
