@@ -52,7 +52,7 @@ void sdr_bonds_destroy(sdr_bonds **bonds)
   *bonds = NULL;
 }
 
-static void visit_run(const sdr_bonds *bonds, const sdr_run *run, sdr_pair_visitor visit,
+static void visit_run(const sdr_bonds *bonds, const sdr_bond_run *run, sdr_pair_visitor visit,
                       void *context)
 {
   const sdr_bond_class *class = &bonds->classes[run->class_index];

@@ -18,7 +18,7 @@ typedef struct {
 typedef struct {
   int32_t class_index, i0, j0, length;
   int64_t slot;
-} sdr_run;
+} sdr_bond_run;
 
 enum { SDR_LANES = 8 };
 
@@ -40,7 +40,7 @@ typedef struct {
   int class_count;
   sdr_bond_class *classes;
   int64_t run_count;
-  sdr_run *runs;       /* by stripe, then in storage order of their rows */
+  sdr_bond_run *runs;  /* by stripe, then in storage order of their rows */
   int64_t *stripe_run; /* stripe_count + 1: stripe s owns runs [stripe_run[s], stripe_run[s+1]) */
   int64_t run_slots;   /* slots of runs; loose slots are numbered from 0 again */
   sdr_loose loose;

@@ -89,10 +89,10 @@ static void add_run(run_builder *build, int class_index, const sdr_row *row, con
   }
   const int axis = index->points->row_axis;
   build->bonds->runs[build->cursor[owner]++] =
-      (sdr_run){.class_index = class_index,
-                .i0 = row->first + (from - row->cell[axis]),
-                .j0 = partner->first + (from + shift - partner->cell[axis]),
-                .length = length};
+      (sdr_bond_run){.class_index = class_index,
+                     .i0 = row->first + (from - row->cell[axis]),
+                     .j0 = partner->first + (from + shift - partner->cell[axis]),
+                     .length = length};
 }
 
 /* All runs of one row in one class. */
@@ -151,7 +151,7 @@ static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sd
 {
   char *done = sdr_alloc((size_t)bonds->class_count, 1);
   for (int64_t r = 0; r < bonds->run_count; ++r) {
-    const sdr_run *run = &bonds->runs[r];
+    const sdr_bond_run *run = &bonds->runs[r];
     sdr_bond_class *class = &bonds->classes[run->class_index];
     if (done && done[run->class_index]) continue;
     if (done) done[run->class_index] = 1;

@@ -1,4 +1,246 @@
-int main(void)
+/* The program: reads the command line and calls one function for each command. */
+#include "app/check.h"
+#include "app/compare.h"
+#include "app/find_scene.h"
+#include "app/plot.h"
+#include "app/run.h"
+#include "base/parallel.h"
+#include "mechanics/bond_body.h"
+#include "output/version.h"
+#include "scene/expression.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MOST_SETS = 256 };
+
+static const char usage[] =
+    "Sunder: fracture by dual-horizon peridynamics.\n"
+    "\n"
+    "  sunder run SCENE [-o DIR] [--set KEY=VALUE]... [--variant NAME] [--threads N]\n"
+    "                   [--resume CHECKPOINT] [--isa avx512|avx2|baseline] [--quiet]\n"
+    "      run a scene; results go to DIR (default out/SCENE[-NAME])\n"
+    "  sunder check SCENE [--set KEY=VALUE]... [--variant NAME]\n"
+    "      what would run: points, bonds, stable step, memory, constants, defaults\n"
+    "  sunder problems\n"
+    "      the scenes that come with Sunder, one line each\n"
+    "  sunder plot DIR [--field NAME] [--time T] [-o FILE.png]\n"
+    "      pictures of a run: a field (damage by default) and the energies over time;\n"
+    "      T may carry a unit, as in --time \"45 us\"\n"
+    "  sunder compare DIR_A DIR_B [-o FILE.png]\n"
+    "      two runs side by side: a table and a picture\n"
+    "  sunder --help | --version\n"
+    "\n"
+    "SCENE is a YAML file or the name of a folder in problems/. docs/scene.md lists every key.\n"
+    "Exit status: 0 done, 1 bad input, 2 the run failed, 3 a file could not be read or written.\n";
+
+/* What the command line said. */
+typedef struct {
+  const char *arguments[2]; /* SCENE or directories */
+  int argument_count;
+  const char *output, *variant, *resume, *field, *time, *threads, *isa;
+  const char *sets[MOST_SETS];
+  int set_count, quiet;
+} command_line;
+
+typedef struct {
+  const char *name;
+  int arguments;       /* how many it takes */
+  const char *options; /* the options it knows, each between blanks */
+  const char *wants;   /* what to give, for the message */
+  sdr_status (*call)(const command_line *line);
+} command_entry;
+
+/* ---- reading the command line ---------------------------------------------------------------- */
+
+/* Where the value of an option goes; NULL if it is no option with a value. */
+static const char **value_of(command_line *line, const char *option)
 {
-  return 0;
+  if (strcmp(option, "-o") == 0) return &line->output;
+  if (strcmp(option, "--variant") == 0) return &line->variant;
+  if (strcmp(option, "--resume") == 0) return &line->resume;
+  if (strcmp(option, "--field") == 0) return &line->field;
+  if (strcmp(option, "--time") == 0) return &line->time;
+  if (strcmp(option, "--threads") == 0) return &line->threads;
+  if (strcmp(option, "--isa") == 0) return &line->isa;
+  if (strcmp(option, "--set") == 0 && line->set_count < MOST_SETS)
+    return &line->sets[line->set_count];
+  return NULL;
+}
+
+static int knows(const command_entry *command, const char *option)
+{
+  char padded[64];
+  snprintf(padded, sizeof padded, " %s ", option);
+  return strstr(command->options, padded) != NULL;
+}
+
+static sdr_status read_option(const command_entry *command, int count, char **words, int *k,
+                              command_line *line)
+{
+  const char *option = words[*k];
+  if (!knows(command, option))
+    return sdr_fail(SDR_BAD_INPUT, "sunder %s has no option '%s'; it takes:%s(see sunder --help)",
+                    command->name, option, command->options);
+  if (strcmp(option, "--quiet") == 0) {
+    line->quiet = 1;
+    return SDR_OK;
+  }
+  const char **value = value_of(line, option);
+  if (!value) return sdr_fail(SDR_BAD_INPUT, "more than %d --set options", (int)MOST_SETS);
+  if (*k + 1 >= count) return sdr_fail(SDR_BAD_INPUT, "option '%s' needs a value", option);
+  *value = words[++*k];
+  if (strcmp(option, "--set") == 0) ++line->set_count;
+  return SDR_OK;
+}
+
+static sdr_status read_line(const command_entry *command, int count, char **words,
+                            command_line *line)
+{
+  for (int k = 0; k < count; ++k) {
+    if (words[k][0] == '-' && words[k][1] != '\0') {
+      SDR_TRY(read_option(command, count, words, &k, line));
+    } else if (line->argument_count < command->arguments) {
+      line->arguments[line->argument_count++] = words[k];
+    } else {
+      return sdr_fail(SDR_BAD_INPUT, "sunder %s takes %s; '%s' is one too many", command->name,
+                      command->wants, words[k]);
+    }
+  }
+  if (line->argument_count < command->arguments)
+    return sdr_fail(SDR_BAD_INPUT, "sunder %s needs %s (see sunder --help)", command->name,
+                    command->wants);
+  return SDR_OK;
+}
+
+static sdr_status read_threads(const char *text, int *threads)
+{
+  char *end;
+  if (!text) return SDR_OK;
+  errno = 0;
+  const long value = strtol(text, &end, 10);
+  if (end == text || *end != '\0' || errno != 0 || value < 1 || value > 256)
+    return sdr_fail(SDR_BAD_INPUT, "--threads '%s': give a whole number from 1 to 256", text);
+  *threads = (int)value;
+  return SDR_OK;
+}
+
+static sdr_status read_time(const char *text, double *time)
+{
+  static const sdr_unit second = {.s = 1};
+  static const double nowhere[3] = {0.0};
+  sdr_expression *expression = NULL;
+  if (!text) return SDR_OK;
+  if (sdr_expression_create(text, second, NULL, NULL, &expression) != SDR_OK)
+    return sdr_fail(SDR_BAD_INPUT, "--time '%s': column %s", text, sdr_error_message());
+  const sdr_status status = sdr_expression_value(expression, nowhere, 0.0, time);
+  sdr_expression_destroy(&expression);
+  return status;
+}
+
+/* ---- commands -------------------------------------------------------------------------------- */
+
+static sdr_status run(const command_line *line)
+{
+  char path[SDR_SCENE_PATH];
+  sdr_run_options options = {.variant = line->variant,
+                             .directory = line->output,
+                             .resume = line->resume,
+                             .set_count = line->set_count,
+                             .sets = line->sets,
+                             .quiet = line->quiet,
+                             .scene = path};
+  SDR_TRY(read_threads(line->threads, &options.threads));
+  if (line->isa) SDR_TRY(sdr_isa_limit(line->isa));
+  SDR_TRY(sdr_find_scene(line->arguments[0], path));
+  return sdr_run(&options, stdout);
+}
+
+static sdr_status check(const command_line *line)
+{
+  char path[SDR_SCENE_PATH];
+  SDR_TRY(sdr_find_scene(line->arguments[0], path));
+  return sdr_check(path, line->variant, line->set_count, line->sets, stdout);
+}
+
+static sdr_status problems(const command_line *line)
+{
+  (void)line;
+  return sdr_list_problems(stdout);
+}
+
+static sdr_status plot(const command_line *line)
+{
+  sdr_plot_options options = {.directory = line->arguments[0],
+                              .field = line->field,
+                              .time = (double)NAN,
+                              .png = line->output};
+  SDR_TRY(read_time(line->time, &options.time));
+  return sdr_plot(&options, stdout);
+}
+
+static sdr_status compare(const command_line *line)
+{
+  return sdr_compare(line->arguments[0], line->arguments[1], line->output, stdout);
+}
+
+static const command_entry commands[] = {
+    {"run", 1, " -o --set --variant --threads --resume --isa --quiet ", "a scene", run},
+    {"check", 1, " --set --variant ", "a scene", check},
+    {"problems", 0, " ", "nothing", problems},
+    {"plot", 1, " --field --time -o ", "the directory of a run", plot},
+    {"compare", 2, " -o ", "the directories of two runs", compare}};
+
+static sdr_status call_command(int count, char **words)
+{
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; ++k) {
+    command_line line = {0};
+    if (strcmp(words[1], commands[k].name) != 0) continue;
+    for (int w = 2; w < count; ++w)
+      if (strcmp(words[w], "--help") == 0 || strcmp(words[w], "-h") == 0) {
+        fputs(usage, stdout);
+        return SDR_OK;
+      }
+    SDR_TRY(read_line(&commands[k], count - 2, words + 2, &line));
+    return commands[k].call(&line);
+  }
+  return sdr_fail(SDR_BAD_INPUT,
+                  "there is no command '%s'; there are run, check, problems, plot, compare",
+                  words[1]);
+}
+
+/* Idle threads that spin slow a shared machine down; libgomp reads this when it is loaded, so the
+   program starts itself again once. */
+static void limit_spinning(char **words)
+{
+  if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
+  setenv("GOMP_SPINCOUNT", "1000", 1);
+  execv("/proc/self/exe", words); /* where that fails the program just goes on */
+}
+
+int main(int count, char **words)
+{
+  if (count < 2) {
+    fputs(usage, stderr);
+    return SDR_BAD_INPUT;
+  }
+  if (strcmp(words[1], "--help") == 0 || strcmp(words[1], "-h") == 0 ||
+      strcmp(words[1], "help") == 0) {
+    fputs(usage, stdout);
+    return 0;
+  }
+  if (strcmp(words[1], "--version") == 0) {
+    printf("sunder %s\n", SUNDER_VERSION);
+    return 0;
+  }
+  limit_spinning(words);
+  sdr_status status = call_command(count, words);
+  if (status == SDR_OK && fflush(stdout) != 0)
+    status = sdr_fail(SDR_IO_ERROR, "standard output: %s", strerror(errno));
+  if (status != SDR_OK) fprintf(stderr, "sunder: %s\n", sdr_error_message());
+  return (int)status;
 }

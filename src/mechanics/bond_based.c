@@ -364,7 +364,7 @@ static void mark_pair(void *context, const sdr_pair *pair)
     call->cut += (pair->weight_ij > 0.0) + (pair->weight_ji > 0.0);
 }
 
-static int run_has_mark(const sdr_bond_body *body, const sdr_run *run)
+static int run_has_mark(const sdr_bond_body *body, const sdr_bond_run *run)
 {
   for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot)
     if (body->stretch ? body->stretch[slot] < 0.0f : body->flags[slot] >= SDR_CUT) return 1;

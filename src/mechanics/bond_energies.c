@@ -117,7 +117,7 @@ static void book_pair(book_call *call, const sdr_pair *pair, sdr_flags *flags)
     call->sum += half * pair->weight_ji * sdr_body_stiffness(body, pair->j);
 }
 
-static void book_run(book_call *call, const sdr_run *run)
+static void book_run(book_call *call, const sdr_bond_run *run)
 {
   const sdr_bond_body *body = &call->model->body;
   const sdr_bond_class *class = &body->bonds->classes[run->class_index];

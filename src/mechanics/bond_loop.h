@@ -23,8 +23,9 @@ typedef struct {
   int count;
 } sdr_block;
 
-SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body, const sdr_run *run,
-                              int32_t start, double *const u[3], double *const f[3])
+SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
+                              const sdr_bond_run *run, int32_t start, double *const u[3],
+                              double *const f[3])
 {
   const int64_t i = run->i0 + start, j = run->j0 + start, slot = run->slot + start;
   sdr_block block = {0};
@@ -166,7 +167,7 @@ SDR_INLINE void force_of_runs(const int components, const int law, const int eac
 {
   _Alignas(64) double F[3][SDR_BLOCK];
   for (int64_t r = first; r < end; ++r) {
-    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const int marked = body->run_marked && body->run_marked[r];
     int fresh = 0;
@@ -190,7 +191,7 @@ SDR_INLINE void reference_of_runs(const int components, const int each, const sd
 {
   _Alignas(64) double F[3][SDR_BLOCK];
   for (int64_t r = first; r < end; ++r) {
-    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const double cube = class->length * class->length * class->length;
     const double wij = class->weight_ij / cube, wji = class->weight_ji / cube;
@@ -293,7 +294,7 @@ SDR_INLINE void energies_of_runs(const int components, const int law, const int 
                                  double *const u[3], sdr_stripe_energies *sum)
 {
   for (int64_t r = first; r < end; ++r) {
-    const sdr_run *run = &body->bonds->runs[r];
+    const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const int marked = body->run_marked && body->run_marked[r];
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {

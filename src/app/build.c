@@ -1,0 +1,237 @@
+#include "app/build.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "damage/laws.h"
+#include "geometry/cracks.h"
+#include "geometry/lattice.h"
+#include "geometry/place.h"
+#include "mechanics/bond_based.h"
+#include "time/stable_step.h"
+
+#include <gsl/gsl_rng.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- material -------------------------------------------------------------------------------- */
+
+/* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
+   material, so that they do not depend on how points are stored. */
+static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *points, double *young)
+{
+  int32_t *stored = sdr_alloc((size_t)points->count, sizeof *stored); /* by order of generation */
+  if (!stored) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < points->count; ++i)
+    stored[points->generated ? points->generated[i] : i] = i;
+  sdr_status status = SDR_OK;
+  for (int m = 0; m < scene->material_count && status == SDR_OK; ++m) {
+    const sdr_material *material = &scene->material[m];
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    if (!random) status = sdr_fail(SDR_RUN_FAILED, "out of memory: no random numbers");
+    if (random) gsl_rng_set(random, (unsigned long)material->scatter_seed);
+    for (int32_t k = 0; random && k < points->count; ++k) {
+      const int32_t i = stored[k];
+      if (points->material[i] != m) continue;
+      const double noise =
+          material->scatter_young > 0.0 ? 2.0 * gsl_rng_uniform(random) - 1.0 : 0.0;
+      young[i] = material->young * (1.0 + material->scatter_young * noise);
+    }
+    if (random) gsl_rng_free(random);
+  }
+  sdr_free(stored);
+  return status;
+}
+
+/* ---- marks: pre-cracks and protected zones --------------------------------------------------- */
+
+static int protects(const sdr_scene *scene, const double x[3])
+{
+  const sdr_damage_scene *damage = &scene->damage;
+  for (int k = 0; k < damage->protect_count; ++k)
+    if (sdr_place_holds(scene, &damage->protect[k], x, scene->points.spacing,
+                        scene->points.spacing))
+      return 1;
+  return 0;
+}
+
+static int mark_of_pair(const void *context, const double a[3], const double b[3])
+{
+  const sdr_scene *scene = context;
+  if (scene->crack_count > 0 && sdr_cracks_cut(scene, a, b, 1e-9 * scene->points.spacing))
+    return SDR_CUT;
+  return protects(scene, a) || protects(scene, b) ? SDR_PROTECTED : 0;
+}
+
+static sdr_status mark_bonds(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
+  const int protect = scene->damage.law != SDR_LAW_NONE && scene->damage.protect_count > 0;
+  if (scene->crack_count == 0 && !protect) return SDR_OK;
+  SDR_TRY(sdr_bond_based_mark(built->model, mark_of_pair, scene, &built->cut_bonds));
+  if (scene->crack_count > 0 && built->cut_bonds == 0)
+    return sdr_fail(SDR_BAD_INPUT, "%s: the cracks cut no bond; do they lie in the body?",
+                    sdr_origin_text(scene->crack[0].origin));
+  return SDR_OK;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+static sdr_status make_model(sdr_built *built)
+{
+  static const sdr_family_weight weights[] = {[SDR_WEIGHT_CONSTANT] = SDR_FAMILY_PLAIN,
+                                              [SDR_WEIGHT_PARTIAL_VOLUME] =
+                                                  SDR_FAMILY_PARTIAL_VOLUME,
+                                              [SDR_WEIGHT_ISO] = SDR_FAMILY_ISO};
+  const sdr_scene *scene = built->scene;
+  SDR_TRY(sdr_families_create(built->points, weights[scene->weight], &built->families));
+  const sdr_bonds_how how = {.weight =
+                                 scene->weight == SDR_WEIGHT_CONSTANT ? NULL : sdr_families_weight,
+                             .context = built->families};
+  sdr_bonds *bonds = NULL;
+  SDR_TRY(sdr_bonds_create(built->points, &how, &bonds));
+  built->bonds = bonds;
+  double toughness[256] = {0.0};
+  for (int m = 0; m < scene->material_count; ++m) toughness[m] = scene->material[m].toughness;
+  double *young = sdr_alloc(sdr_points_padded(built->points), sizeof *young);
+  sdr_status status = young ? young_of_points(scene, built->points, young) : SDR_RUN_FAILED;
+  const sdr_bond_based_how model_how = {.dimension = scene->dimension,
+                                        .law = scene->damage.law,
+                                        .calibration = scene->calibration,
+                                        .ell = scene->damage.ell,
+                                        .young = young,
+                                        .toughness = toughness};
+  if (status == SDR_OK)
+    status =
+        sdr_bond_based_create(built->points, bonds, built->families, &model_how, &built->model);
+  else
+    sdr_bonds_destroy(&bonds);
+  sdr_free(young);
+  return status == SDR_OK ? mark_bonds(built) : status;
+}
+
+static sdr_status make_system(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
+  double density[256] = {0.0};
+  for (int m = 0; m < scene->material_count; ++m) density[m] = scene->material[m].density;
+  SDR_TRY(sdr_loads_create(scene, built->points, &built->loads));
+  SDR_TRY(sdr_supports_create(scene, built->points, &built->supports));
+  return sdr_system_create(built->model, density, built->loads, built->supports, &built->system);
+}
+
+static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
+{
+  sdr_system *system = built->system;
+  double *const *field = initial->velocity ? system->v : system->u;
+  int32_t met = 0;
+  for (int32_t i = 0; i < system->count; ++i) {
+    double x[3] = {0.0};
+    for (int a = 0; a < system->components; ++a) x[a] = built->points->x[a][i];
+    const double spacing = built->points->spacing[i];
+    if (!sdr_place_holds(built->scene, &initial->on, x, spacing, spacing)) continue;
+    ++met;
+    for (int a = 0; a < system->components; ++a)
+      if (initial->value[a]) SDR_TRY(sdr_expression_value(initial->value[a], x, 0.0, &field[a][i]));
+  }
+  if (met == 0)
+    return sdr_fail(SDR_BAD_INPUT, "%s: the initial %s on '%s' meets no point",
+                    sdr_origin_text(initial->origin),
+                    initial->velocity ? "velocity" : "displacement", initial->on.text);
+  return SDR_OK;
+}
+
+static sdr_status choose_step(sdr_built *built)
+{
+  const sdr_time_scene *time = &built->scene->time;
+  SDR_TRY(sdr_stable_step(built->system, &built->stable_step));
+  built->step = isnan(time->step) ? time->safety * built->stable_step : time->step;
+  built->steps = (int64_t)ceil(time->end / built->step * (1.0 - 1e-12));
+  if (built->step <= built->stable_step) return SDR_OK;
+  if (!time->allow_unstable)
+    return sdr_fail(SDR_BAD_INPUT,
+                    "%s: the step %.4g us is above the stability limit %.4g us; give at most that, "
+                    "`auto` (%.4g us), or time.allow_unstable: true to try",
+                    sdr_origin_text(time->step_origin), built->step * 1e6, built->stable_step * 1e6,
+                    time->safety * built->stable_step * 1e6);
+  snprintf(built->warning, sizeof built->warning,
+           "the step %.4g us is above the stability limit %.4g us (time.allow_unstable)",
+           built->step * 1e6, built->stable_step * 1e6);
+  return SDR_OK;
+}
+
+/* ---- what is skipped ------------------------------------------------------------------------- */
+
+static void skip(sdr_built *built, int condition, const char *what)
+{
+  if (condition && built->skipped_count < SDR_SKIPPED_MAX)
+    built->skipped[built->skipped_count++] = what;
+}
+
+static void list_skipped(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
+  skip(built, scene->damage.law == SDR_LAW_NONE, "history: no damage law");
+  skip(built, sdr_bond_based_shared_moduli(built->model),
+       "moduli per point: all points share theirs");
+  skip(built, built->points->components < 3,
+       built->points->components < 2 ? "second and third components: 1-D" : "third component: 2-D");
+  skip(built, built->bonds->run_count > 0, "index lists: bonds are runs of a lattice");
+  skip(built, built->bonds->run_count > 0, "neighbourhood: bonds come from lattice rows");
+  skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
+  skip(built, 1, "Jacobian: explicit integrator");
+  skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
+       "tests for cut bonds: no pre-crack, no protected zone");
+  skip(built, scene->output.snapshots == 0, "fields: no snapshots asked");
+}
+
+/* Onset counts from a share of what a plane cut removes, unless the scene says. */
+static void choose_onset(sdr_built *built)
+{
+  const double given = built->scene->damage.onset;
+  built->onset = isnan(given) ? 0.9 * built->families->family[0].cut_share : given;
+}
+
+static sdr_status build_parts(sdr_built *built)
+{
+  SDR_TRY(sdr_lattice_points(built->scene, &built->points));
+  SDR_TRY(sdr_points_arrange(built->points));
+  SDR_TRY(make_model(built));
+  SDR_TRY(make_system(built));
+  for (int k = 0; k < built->scene->initial_count; ++k)
+    SDR_TRY(set_initial(built, &built->scene->initial[k]));
+  built->integrator = sdr_integrator_find(built->scene->time.integrator);
+  if (!built->integrator)
+    return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
+  SDR_TRY(choose_step(built));
+  choose_onset(built);
+  list_skipped(built);
+  return SDR_OK;
+}
+
+sdr_status sdr_build(const char *path, const char *variant, int set_count, const char *const *sets,
+                     sdr_built *out)
+{
+  sdr_built built = {0};
+  sdr_status status = sdr_scene_load(path, variant, set_count, sets, &built.scene);
+  if (status == SDR_OK && built.scene->threads > 0) sdr_set_threads(built.scene->threads);
+  if (status == SDR_OK) status = build_parts(&built);
+  if (status != SDR_OK) {
+    sdr_built_destroy(&built);
+    return status;
+  }
+  *out = built;
+  return SDR_OK;
+}
+
+void sdr_built_destroy(sdr_built *built)
+{
+  sdr_system_destroy(&built->system);
+  sdr_supports_destroy(&built->supports);
+  sdr_loads_destroy(&built->loads);
+  if (built->model) built->model->ops->destroy(built->model);
+  sdr_families_destroy(&built->families);
+  sdr_points_destroy(&built->points);
+  sdr_scene_destroy(&built->scene);
+  *built = (sdr_built){0};
+}

@@ -1,0 +1,40 @@
+/* From a scene to a wired model, ready to be integrated. */
+#ifndef SDR_APP_BUILD_H
+#define SDR_APP_BUILD_H
+
+#include "mechanics/system.h"
+#include "nom/bonds.h"
+#include "nom/family.h"
+#include "scene/scene.h"
+#include "time/integrator.h"
+
+enum { SDR_SKIPPED_MAX = 16 };
+
+typedef struct {
+  sdr_scene *scene;
+  sdr_points *points;
+  sdr_families *families;
+  sdr_model *model;
+  sdr_loads *loads;
+  sdr_supports *supports;
+  sdr_system *system;
+  const sdr_integrator *integrator;
+  const sdr_bonds *bonds;               /* the model's */
+  int64_t cut_bonds;                    /* directed, by pre-cracks */
+  double onset;                         /* damage of a point that counts as onset */
+  double stable_step;                   /* s */
+  double step;                          /* s */
+  int64_t steps;                        /* to the end */
+  char warning[512];                    /* "" or what the user should know before the run */
+  const char *skipped[SDR_SKIPPED_MAX]; /* what this scene does not need, so is not done */
+  int skipped_count;
+} sdr_built;
+
+/* Load the scene (see sdr_scene_load) and build all of a run but its observers. A step above the
+   stability limit is SDR_BAD_INPUT unless the scene allows it. Owner: the caller; *out is zero on
+   failure. */
+sdr_status sdr_build(const char *path, const char *variant, int set_count, const char *const *sets,
+                     sdr_built *out);
+void sdr_built_destroy(sdr_built *built);
+
+#endif

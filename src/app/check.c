@@ -1,0 +1,165 @@
+#include "app/check.h"
+
+#include "app/build.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "damage/calibration.h"
+#include "mechanics/bond_based.h"
+
+#include <math.h>
+
+static const char *const dimension_names[] = {"1d", "plane_stress", "plane_strain", "3d"};
+static const char *const law_names[] = {"none", "variational", "critical_stretch"};
+
+static void print_points(const sdr_built *built, FILE *out)
+{
+  const sdr_points *points = built->points;
+  const sdr_bonds *bonds = built->bonds;
+  double least = INFINITY, most = 0.0;
+  for (int32_t i = 0; i < points->count; ++i) {
+    least = fmin(least, points->horizon[i]);
+    most = fmax(most, points->horizon[i]);
+  }
+  fprintf(out, "points              %d, spacing %g mm", (int)points->count,
+          built->scene->points.spacing * 1e3);
+  if (least == most)
+    fprintf(out, ", horizon %g mm\n", least * 1e3);
+  else
+    fprintf(out, ", horizons %g to %g mm\n", least * 1e3, most * 1e3);
+  fprintf(out, "bonds               %lld directed, %lld pairs: %lld in %lld runs, %lld loose\n",
+          (long long)bonds->directed, (long long)bonds->pairs,
+          (long long)(bonds->pairs - bonds->loose_pairs), (long long)bonds->run_count,
+          (long long)bonds->loose_pairs);
+  if (built->cut_bonds > 0)
+    fprintf(out, "cut at the start    %lld directed bonds\n", (long long)built->cut_bonds);
+}
+
+static void print_step(const sdr_built *built, FILE *out)
+{
+  fprintf(out, "stable step         %.5g us; step %.5g us (%.3g of it), %lld steps to %g us\n",
+          built->stable_step * 1e6, built->step * 1e6, built->step / built->stable_step,
+          (long long)built->steps, built->scene->time.end * 1e6);
+  if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
+}
+
+static void print_memory(const sdr_built *built, FILE *out)
+{
+  const double held = (double)sdr_memory_now();
+  fprintf(out, "memory              %.1f MB (%.0f bytes a point), of it %.1f MB damage history\n",
+          held / 1e6, held / (double)built->points->count,
+          (double)sdr_bond_based_history_bytes(built->model) / 1e6);
+}
+
+static const char *source_name(sdr_moments_source source)
+{
+  switch (source) {
+  case SDR_MOMENTS_STENCIL:
+    return "the lattice's full stencil";
+  case SDR_MOMENTS_MEAN:
+    return "the mean over points with complete families";
+  default:
+    return "integrals over the ball, since no family is complete";
+  }
+}
+
+static void print_stiffness(const sdr_built *built, const sdr_family *family,
+                            const sdr_material *material, FILE *out)
+{
+  const sdr_dimension dimension = built->scene->dimension;
+  const double c = sdr_micromodulus(dimension, built->scene->calibration, family, material->young);
+  const sdr_effective_stiffness s = sdr_stiffness_of(dimension, family, c, material->young);
+  fprintf(out, "  micromodulus      %.6g N/m^6 (half), family sums from %s\n", c,
+          source_name(family->source));
+  fprintf(out, "  c11               %.5g GPa (%+.2f %%)", s.c11 * 1e-9,
+          100.0 * (s.c11 / s.exact_c11 - 1.0));
+  if (dimension != SDR_1D)
+    fprintf(out, ", c12 %.5g GPa (%+.2f %%), shear %.5g GPa (%+.2f %%)", s.c12 * 1e-9,
+            100.0 * (s.c12 / s.exact_c12 - 1.0), s.c66 * 1e-9, 100.0 * (s.c66 / s.exact_c66 - 1.0));
+  fprintf(out, " of the isotropic body\n");
+}
+
+/* Energy of a plane cut over directions in x-y. */
+static sdr_status print_separation(const sdr_built *built, const sdr_family *family,
+                                   const sdr_material *material, FILE *out)
+{
+  const sdr_scene *scene = built->scene;
+  const sdr_damage_scene *damage = &scene->damage;
+  if (damage->law == SDR_LAW_NONE) return SDR_OK;
+  const double c = sdr_micromodulus(scene->dimension, scene->calibration, family, material->young);
+  double q = sdr_critical_stretch_squared(scene->dimension, scene->calibration, family,
+                                          material->young, material->toughness);
+  double share = 1.0;
+  if (damage->law == SDR_LAW_VARIATIONAL)
+    share = damage->ell.relative ? 1.0 / damage->ell.value : family->horizon / damage->ell.value;
+  q *= share;
+  double least = INFINITY, most = 0.0;
+  for (int degree = 0; degree <= (scene->dimension == SDR_1D ? 0 : 45); ++degree) {
+    const double angle = degree * 3.14159265358979323846 / 180.0;
+    const double n[3] = {cos(angle), sin(angle), 0.0};
+    double energy;
+    SDR_TRY(sdr_separation_energy(built->families, family, c, q, n, &energy));
+    least = fmin(least, energy);
+    most = fmax(most, energy);
+  }
+  fprintf(out, "  %-17s %.4g\n", damage->law == SDR_LAW_VARIATIONAL ? "stretch s_c" : "stretch s0",
+          sqrt(q));
+  fprintf(out, "  separation        %.5g J/m^2 = toughness x %.4g; over directions %.5g to %.5g\n",
+          material->toughness * share, share, least, most);
+  return SDR_OK;
+}
+
+static sdr_status print_materials(const sdr_built *built, FILE *out)
+{
+  const sdr_scene *scene = built->scene;
+  const sdr_family *family = &built->families->family[0];
+  if (built->families->count > 1)
+    fprintf(out, "families            %d kinds (spacing and horizon); constants of the first:\n",
+            built->families->count);
+  for (int m = 0; m < scene->material_count; ++m) {
+    const sdr_material *material = &scene->material[m];
+    const double nu = sdr_bond_poisson(scene->dimension);
+    fprintf(out, "material            %s: E %g GPa, density %g kg/m^3", material->name,
+            material->young * 1e-9, material->density);
+    if (material->scatter_young > 0.0)
+      fprintf(out, ", E scattered by %g %%", 100.0 * material->scatter_young);
+    fputc('\n', out);
+    if (isnan(material->poisson))
+      fprintf(out, "  poisson_used      %.4g, the law's own\n", nu);
+    else
+      fprintf(out, "  poisson_used      %.4g, the law's own (given %g)\n", nu, material->poisson);
+    print_stiffness(built, family, material, out);
+    SDR_TRY(print_separation(built, family, material, out));
+  }
+  return SDR_OK;
+}
+
+static void print_lists(const sdr_built *built, FILE *out)
+{
+  const sdr_scene *scene = built->scene;
+  fprintf(out, "skipped\n");
+  for (int k = 0; k < built->skipped_count; ++k) fprintf(out, "  %s\n", built->skipped[k]);
+  fprintf(out, "defaults\n");
+  for (int k = 0; k < scene->default_count; ++k) fprintf(out, "  %s\n", scene->defaults[k]);
+}
+
+sdr_status sdr_check(const char *path, const char *variant, int set_count, const char *const *sets,
+                     FILE *out)
+{
+  sdr_built built;
+  SDR_TRY(sdr_build(path, variant, set_count, sets, &built));
+  const sdr_scene *scene = built.scene;
+  fprintf(out, "%s\n", scene->title);
+  fprintf(out, "model               bond_based, %s, damage %s, integrator %s\n",
+          dimension_names[scene->dimension], law_names[scene->damage.law], built.integrator->name);
+  fprintf(out, "kernels             %s, %d threads\n", sdr_bond_based_isa(built.model),
+          sdr_threads());
+  print_points(&built, out);
+  print_step(&built, out);
+  print_memory(&built, out);
+  const sdr_status status = print_materials(&built, out);
+  if (scene->damage.law != SDR_LAW_NONE)
+    fprintf(out, "onset               at a point's damage of %.4g\n", built.onset);
+  print_lists(&built, out);
+  sdr_built_destroy(&built);
+  return status;
+}

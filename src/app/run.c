@@ -1,0 +1,299 @@
+#include "app/run.h"
+
+#include "app/build.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "mechanics/bond_based.h"
+#include "output/checkpoint.h"
+#include "output/fragments.h"
+#include "output/ledger.h"
+#include "output/onset.h"
+#include "output/progress.h"
+#include "output/rundir.h"
+#include "output/snapshots.h"
+#include "output/summary.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#ifndef SUNDER_COMMIT
+#define SUNDER_COMMIT "unknown"
+#endif
+
+enum { OBSERVERS = 4, MEASURED = 9 };
+
+typedef struct {
+  sdr_built built;
+  char directory[600];
+  int lock;
+  sdr_observer *ledger, *snapshots, *onset, *progress;
+  sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
+  int observer_count;
+  sdr_moment moment;
+  int64_t steps_before;          /* taken before a resume */
+  double started, setup, output; /* s of wall time */
+} run;
+
+static double wall(void)
+{
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- set-up ---------------------------------------------------------------------------------- */
+
+static void name_directory(run *r, const sdr_run_options *options)
+{
+  const sdr_scene *scene = r->built.scene;
+  if (options->directory)
+    snprintf(r->directory, sizeof r->directory, "%s", options->directory);
+  else if (scene->output.directory[0])
+    snprintf(r->directory, sizeof r->directory, "%s", scene->output.directory);
+  else
+    snprintf(r->directory, sizeof r->directory, "out/%s%s%s", scene->name,
+             scene->variant[0] ? "-" : "", scene->variant);
+}
+
+static void add_observer(run *r, sdr_observer *observer)
+{
+  if (observer) r->observers[r->observer_count++] = observer;
+}
+
+static sdr_status make_observers(run *r, const sdr_run_options *options)
+{
+  const sdr_scene *scene = r->built.scene;
+  SDR_TRY(sdr_ledger_create(scene, r->built.points, &r->ledger));
+  add_observer(r, r->ledger);
+  if (scene->damage.law != SDR_LAW_NONE)
+    SDR_TRY(sdr_onset_create(r->built.points, r->built.onset, &r->onset));
+  add_observer(r, r->onset);
+  SDR_TRY(sdr_snapshots_create(scene, r->directory, r->built.points, &r->snapshots));
+  add_observer(r, r->snapshots);
+  if (!options->quiet) SDR_TRY(sdr_progress_create(r->ledger, &r->progress));
+  add_observer(r, r->progress);
+  return SDR_OK;
+}
+
+static void destroy_observer(sdr_observer **observer)
+{
+  if (*observer) (*observer)->ops->destroy(*observer);
+  *observer = NULL;
+}
+
+static void set_moment(run *r)
+{
+  const sdr_built *built = &r->built;
+  r->moment = (sdr_moment){.system = built->system,
+                           .scene = built->scene,
+                           .directory = r->directory,
+                           .step_size = built->step,
+                           .end = built->scene->time.end,
+                           .steps = built->steps};
+}
+
+static sdr_status begin(run *r, const sdr_run_options *options)
+{
+  if (!options->resume) return r->built.integrator->start(r->built.system, r->built.step);
+  SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, sdr_bond_based_isa(r->built.model),
+                              r->observers, r->observer_count));
+  r->steps_before = r->moment.step;
+  r->built.step = r->moment.step_size;
+  return SDR_OK;
+}
+
+/* ---- the loop -------------------------------------------------------------------------------- */
+
+static sdr_status observe(run *r)
+{
+  const double from = wall();
+  sdr_moment *moment = &r->moment;
+  sdr_balance balance;
+  int due[OBSERVERS] = {0}, wants = 0;
+  moment->time = r->built.system->time;
+  moment->step = r->built.system->step;
+  moment->last = moment->step >= moment->steps;
+  moment->balance = NULL;
+  for (int k = 0; k < r->observer_count; ++k)
+    due[k] =
+        r->observers[k]->ops->due && r->observers[k]->ops->due(r->observers[k], moment, &wants);
+  if (wants) {
+    sdr_system_balance(r->built.system, &balance);
+    moment->balance = &balance;
+  }
+  sdr_status status = SDR_OK;
+  for (int k = 0; k < r->observer_count && status == SDR_OK; ++k)
+    if (due[k]) status = r->observers[k]->ops->look(r->observers[k], moment);
+  if (status == SDR_OK && sdr_checkpoint_due(moment))
+    status = sdr_checkpoint_write(r->directory, moment, sdr_bond_based_isa(r->built.model),
+                                  r->observers, r->observer_count);
+  moment->balance = NULL;
+  r->output += wall() - from;
+  return status;
+}
+
+static sdr_status integrate(run *r, int resumed)
+{
+  if (!resumed) SDR_TRY(observe(r));
+  while (r->built.system->step < r->built.steps) {
+    SDR_TRY(r->built.integrator->step(r->built.system, r->built.step));
+    SDR_TRY(observe(r));
+  }
+  for (int k = 0; k < r->observer_count; ++k)
+    if (r->observers[k]->ops->finish)
+      SDR_TRY(r->observers[k]->ops->finish(r->observers[k], &r->moment));
+  return SDR_OK;
+}
+
+/* ---- what came out --------------------------------------------------------------------------- */
+
+/* Names of all that scenes may list as figures; values are filled in at the end. */
+static const char *const measured_names[MEASURED] = {
+    "onset_time",    "imbalance",  "imbalance_largest", "through_cracks", "fragments",
+    "largest_share", "dissipated", "damage_max",        "damage_mean"};
+
+static void list_measured(sdr_measured measured[MEASURED], const sdr_summary *s, int32_t cracks)
+{
+  const double values[MEASURED] = {
+      s->onset_time,
+      s->books.imbalance_relative,
+      s->books.imbalance_largest,
+      cracks >= 0 ? (double)cracks : (double)NAN,
+      s->fragments_known ? (double)s->fragments.count : (double)NAN,
+      s->fragments_known ? (double)s->fragments.largest / (double)s->points : (double)NAN,
+      s->books.dissipated,
+      s->damage_max,
+      s->damage_mean};
+  for (int k = 0; k < MEASURED; ++k) measured[k] = (sdr_measured){measured_names[k], values[k]};
+}
+
+static sdr_status check_figures(const sdr_scene *scene)
+{
+  sdr_measured names[MEASURED];
+  for (int k = 0; k < MEASURED; ++k) names[k] = (sdr_measured){measured_names[k], (double)NAN};
+  return sdr_figures_check(scene, names, MEASURED);
+}
+
+static sdr_status damage_of_points(const run *r, sdr_summary *summary)
+{
+  const int32_t count = r->built.points->count;
+  double *damage = sdr_alloc((size_t)count, sizeof *damage);
+  if (!damage) return SDR_RUN_FAILED;
+  const sdr_status status = sdr_system_field(r->built.system, "damage", damage);
+  for (int32_t i = 0; status == SDR_OK && i < count; ++i) {
+    summary->damage_max = fmax(summary->damage_max, damage[i]);
+    summary->damage_mean += damage[i] / count;
+  }
+  sdr_free(damage);
+  return status;
+}
+
+static sdr_status find_pieces(const run *r, sdr_summary *summary, int32_t *cracks)
+{
+  const sdr_output_scene *output = &r->built.scene->output;
+  *cracks = -1;
+  if (output->fragments) {
+    SDR_TRY(
+        sdr_fragments_find(r->built.system, output->fragment_threshold, NULL, &summary->fragments));
+    summary->fragments_known = 1;
+  }
+  if (output->ring)
+    SDR_TRY(sdr_through_cracks(r->built.system, output->fragment_threshold, output->ring_centre,
+                               cracks));
+  return SDR_OK;
+}
+
+static void print_results(const run *r, const sdr_summary *s, int32_t cracks, FILE *out)
+{
+  fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %.6g us\n", s->scene->title,
+          (long long)s->points, (long long)s->bonds, (long long)s->steps, s->time_end * 1e6);
+  if (r->onset && isnan(s->onset_time)) fprintf(out, "onset of damage     never\n");
+  if (!isnan(s->onset_time)) fprintf(out, "onset of damage     %.4g us\n", s->onset_time * 1e6);
+  if (s->fragments_known)
+    fprintf(out, "fragments           %d, the largest with %.3g %% of the points\n",
+            (int)s->fragments.count, 100.0 * (double)s->fragments.largest / (double)s->points);
+  if (cracks >= 0) fprintf(out, "through-cracks      %d\n", (int)cracks);
+  fprintf(out,
+          "energy              kinetic %.5g J, stored %.5g J, dissipated %.5g J, work %.5g J\n",
+          s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
+  fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
+          s->books.imbalance_relative, s->books.imbalance_largest);
+  fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d threads)\n",
+          s->wall_total,
+          s->wall_integrate * 1e9 / ((double)s->bonds * (double)(s->steps_run ? s->steps_run : 1)),
+          s->instruction_set, s->threads);
+  fprintf(out, "results             %s\n", r->directory);
+}
+
+static sdr_status summarise(run *r, FILE *out)
+{
+  const sdr_built *built = &r->built;
+  const double from = wall();
+  int32_t cracks;
+  sdr_measured measured[MEASURED];
+  sdr_summary summary = {.scene = built->scene,
+                         .commit = SUNDER_COMMIT,
+                         .instruction_set = sdr_bond_based_isa(built->model),
+                         .threads = sdr_threads(),
+                         .points = built->points->count,
+                         .bonds = built->bonds->directed,
+                         .pairs = built->bonds->pairs,
+                         .runs = built->bonds->run_count,
+                         .loose = built->bonds->loose_pairs,
+                         .steps = built->system->step,
+                         .steps_run = built->system->step - r->steps_before,
+                         .step_size = built->step,
+                         .time_end = built->system->time,
+                         .stable_step = built->stable_step,
+                         .books = sdr_ledger_books(r->ledger),
+                         .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
+                         .skipped = built->skipped,
+                         .skipped_count = built->skipped_count,
+                         .measured = measured,
+                         .measured_count = MEASURED};
+  SDR_TRY(damage_of_points(r, &summary));
+  SDR_TRY(find_pieces(r, &summary, &cracks));
+  list_measured(measured, &summary, cracks);
+  summary.wall_setup = r->setup;
+  summary.wall_output = r->output + (wall() - from);
+  summary.wall_total = wall() - r->started;
+  summary.wall_integrate = summary.wall_total - summary.wall_setup - summary.wall_output;
+  SDR_TRY(sdr_summary_write(r->directory, &summary));
+  print_results(r, &summary, cracks, out);
+  return SDR_OK;
+}
+
+static sdr_status set_up(run *r, const sdr_run_options *options)
+{
+  SDR_TRY(
+      sdr_build(options->scene, options->variant, options->set_count, options->sets, &r->built));
+  if (options->threads > 0) sdr_set_threads(options->threads);
+  SDR_TRY(check_figures(r->built.scene));
+  name_directory(r, options);
+  SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
+  SDR_TRY(sdr_rundir_write(r->directory, "used.yaml", r->built.scene->used_yaml));
+  if (r->built.warning[0] && !options->quiet)
+    fprintf(stderr, "sunder: warning: %s\n", r->built.warning);
+  set_moment(r);
+  SDR_TRY(make_observers(r, options));
+  SDR_TRY(begin(r, options));
+  r->setup = wall() - r->started;
+  return SDR_OK;
+}
+
+sdr_status sdr_run(const sdr_run_options *options, FILE *out)
+{
+  run r = {.lock = -1, .started = wall()};
+  if (options->threads > 0) sdr_set_threads(options->threads);
+  sdr_status status = set_up(&r, options);
+  if (status == SDR_OK) status = integrate(&r, options->resume != NULL);
+  destroy_observer(&r.progress);
+  if (status == SDR_OK) status = summarise(&r, out);
+  destroy_observer(&r.snapshots);
+  destroy_observer(&r.onset);
+  destroy_observer(&r.ledger);
+  sdr_rundir_close(r.directory, r.lock);
+  sdr_built_destroy(&r.built);
+  return status;
+}
