@@ -55,7 +55,6 @@ static void put_text(FILE *out, const char *text, int width)
     fprintf(out, "..%s", text + (length - width + 2));
 }
 
-/* Titles and directories are too long for a column: a line each. */
 static void print_text(FILE *out, const char *name, const char *a, const char *b)
 {
   fprintf(out, "%-*s", NAME_WIDTH, name);
@@ -71,7 +70,7 @@ static void number_text(double value, const char *unit, char text[CELL])
   if (*unit == '\0' && isfinite(value) && value == floor(value) && fabs(value) < 1e15)
     snprintf(text, CELL, "%.0f", value);
   else if (strcmp(unit, "%") == 0 && isfinite(value))
-    snprintf(text, CELL, "%.2f %%", 100.0 * value);
+    snprintf(text, CELL, "%.2f %%", 100.0 * (fabs(value) < 5e-5 ? 0.0 : value));
   else if (strcmp(unit, "ns") == 0 && isfinite(value))
     snprintf(text, CELL, "%.4g ns", value);
   else

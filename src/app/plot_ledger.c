@@ -213,6 +213,38 @@ static void draw_energies(sdr_picture *picture, const sdr_rundata *run)
   fputs("\n", picture->script);
 }
 
+static void draw_upper(sdr_picture *picture, sdr_area area, const sdr_rundata *run,
+                       const sdr_ledger_range *range)
+{
+  const sdr_prefix energy = sdr_prefix_for(larger(range->energy));
+  fputs("set xtics out nomirror format ''\nset ytics out nomirror\n", picture->script);
+  write_range(picture, "y", range->energy, 0.05, energy.scale);
+  write_label(picture, area, "energy", "J", energy);
+  write_legend(picture, area, run);
+  sdr_picture_place(picture, area);
+  draw_energies(picture, run);
+  fputs("unset label\nunset arrow\n", picture->script);
+}
+
+static void draw_lower(sdr_picture *picture, sdr_area area, const sdr_ledger_range *range)
+{
+  char label[64];
+  const sdr_prefix imbalance = sdr_prefix_for(larger(range->imbalance));
+  sdr_axis_label("time", "s", sdr_prefix_for(larger(range->time)), label, sizeof label);
+  sdr_picture_text(picture, area.left + 0.5 * area.width, area.bottom - 3.1 * picture->font,
+                   "center", 1.1, area.width, label);
+  write_label(picture, area, "imbalance", "J", imbalance);
+  write_range(picture, "y", range->imbalance, 0.12, imbalance.scale);
+  fprintf(picture->script, "set xtics format '%% h'\nset ytics out nomirror %.9g\n",
+          tic_step(range->imbalance, imbalance.scale, 4));
+  write_share(picture, area, range);
+  sdr_picture_place(picture, area);
+  fprintf(picture->script,
+          "plot $ledger using 1:(0) with lines lw 1.2 lc '#808080' notitle, "
+          "$ledger using 1:%d with lines lw 2.5 lc '#a8272f' notitle\n",
+          CURVES + 3);
+}
+
 void sdr_panel_ledger(sdr_picture *picture, sdr_area area, const sdr_rundata *run,
                       const sdr_ledger_range *range)
 {
@@ -220,33 +252,12 @@ void sdr_panel_ledger(sdr_picture *picture, sdr_area area, const sdr_rundata *ru
   const sdr_area upper = {area.left, area.bottom + below + gap, area.width,
                           area.height - below - gap};
   const sdr_area lower = {area.left, area.bottom, area.width, below};
-  const sdr_prefix time = sdr_prefix_for(larger(range->time));
-  const sdr_prefix energy = sdr_prefix_for(larger(range->energy));
-  const sdr_prefix imbalance = sdr_prefix_for(larger(range->imbalance));
-  write_rows(picture, run, time.scale, energy.scale, imbalance.scale);
-  fputs("set grid lt 1 lw 0.8 lc rgb '#c8c8c8'\nset xtics out nomirror format ''\n"
-        "set ytics out nomirror\n",
-        picture->script);
-  write_range(picture, "x", range->time, 0.0, time.scale);
-  write_range(picture, "y", range->energy, 0.05, energy.scale);
-  write_label(picture, upper, "energy", "J", energy);
-  sdr_picture_place(picture, upper);
-  write_legend(picture, upper, run);
-  draw_energies(picture, run);
-  fputs("unset label\nunset arrow\nset xtics format '% h'\n", picture->script);
-  char label[64];
-  sdr_axis_label("time", "s", time, label, sizeof label);
-  sdr_picture_text(picture, area.left + 0.5 * area.width, area.bottom - 3.1 * picture->font,
-                   "center", 1.1, area.width, label);
-  write_label(picture, lower, "imbalance", "J", imbalance);
-  write_range(picture, "y", range->imbalance, 0.12, imbalance.scale);
-  fprintf(picture->script, "set ytics out nomirror %.9g\n",
-          tic_step(range->imbalance, imbalance.scale, 4));
-  write_share(picture, lower, range);
-  sdr_picture_place(picture, lower);
-  fprintf(picture->script,
-          "plot $ledger using 1:(0) with lines lw 1.2 lc '#808080' notitle, "
-          "$ledger using 1:%d with lines lw 2.5 lc '#a8272f' notitle\n",
-          CURVES + 3);
+  const double time_scale = sdr_prefix_for(larger(range->time)).scale;
+  write_rows(picture, run, time_scale, sdr_prefix_for(larger(range->energy)).scale,
+             sdr_prefix_for(larger(range->imbalance)).scale);
+  fputs("set grid lt 1 lw 0.8 lc rgb '#c8c8c8'\n", picture->script);
+  write_range(picture, "x", range->time, 0.0, time_scale);
+  draw_upper(picture, upper, run, range);
+  draw_lower(picture, lower, range);
   sdr_picture_clear_axes(picture);
 }
