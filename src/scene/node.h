@@ -21,7 +21,6 @@ typedef struct sdr_node {
   int quoted;            /* scalar: in quotes or a block, so never a missing value */
   int text_column;       /* column where `text` itself begins, 0 if it is not as in the file */
   const char *canonical; /* scalar read as a number: its SI value, for the hash */
-  int from_default;      /* filled in by the reader */
   sdr_origin origin, key_origin;
   struct sdr_node *parent, *first, *last, *next;
   int count;                       /* children */

@@ -218,12 +218,6 @@ static void list_default(sdr_reader *reader, const sdr_node *node, const char *t
   reader->defaults[reader->default_count++] = line;
 }
 
-static void mark_default(sdr_node *node)
-{
-  node->from_default = 1;
-  for (sdr_node *child = node->first; child; child = child->next) mark_default(child);
-}
-
 /* Hang the default's own tree into the mapping; its origin is the mapping's. */
 static sdr_node *fill_in(sdr_reader *reader, sdr_node *map, const char *key, const char *fallback)
 {
@@ -238,7 +232,6 @@ static sdr_node *fill_in(sdr_reader *reader, sdr_node *map, const char *key, con
   node->key = name;
   node->origin = node->key_origin = map->origin;
   node->text_column = 0;
-  mark_default(node);
   sdr_node_append(map, node);
   if (strcmp(fallback, "{}") != 0) list_default(reader, node, fallback);
   return node;

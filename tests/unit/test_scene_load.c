@@ -214,6 +214,27 @@ static void the_rim_of_a_hole_looks_out_of_the_body(void **state)
   sdr_scene_destroy(&s);
 }
 
+/* The first block of docs/scene.md is a whole scene. */
+static void the_smallest_scene_of_the_manual_loads(void **state)
+{
+  (void)state;
+  static char text[8000];
+  FILE *stream = fopen(SUNDER_SOURCE_DIR "/docs/scene.md", "r");
+  assert_non_null(stream);
+  text[fread(text, 1, sizeof text - 1, stream)] = '\0';
+  fclose(stream);
+  char *begin = strstr(text, "```yaml\n");
+  assert_non_null(begin);
+  begin += strlen("```yaml\n");
+  char *end = strstr(begin, "```");
+  assert_non_null(end);
+  *end = '\0';
+  sdr_scene *s = NULL;
+  if (load_text(begin, NULL, 0, NULL, &s) != SDR_OK) fail_msg("%s", sdr_error_message());
+  assert_int_equal(s->load_count, 2);
+  sdr_scene_destroy(&s);
+}
+
 static void one_and_three_dimensions_load(void **state)
 {
   (void)state;
@@ -498,6 +519,7 @@ int main(void)
       cmocka_unit_test(every_key_of_a_plate_arrives),
       cmocka_unit_test(conditions_and_output_of_a_plate_arrive),
       cmocka_unit_test(the_rim_of_a_hole_looks_out_of_the_body),
+      cmocka_unit_test(the_smallest_scene_of_the_manual_loads),
       cmocka_unit_test(one_and_three_dimensions_load),
       cmocka_unit_test(a_variant_overrides_the_scene_and_set_overrides_both),
       cmocka_unit_test(the_default_directory_names_scene_and_variant),
