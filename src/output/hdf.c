@@ -323,13 +323,6 @@ int sdr_hdf_count(sdr_hdf *file, const char *group)
   return (int)info.nlinks;
 }
 
-sdr_status sdr_hdf_name(sdr_hdf *file, const char *group, int k, char *name, size_t size)
-{
-  const ssize_t length = H5Lget_name_by_idx(file->id, group, H5_INDEX_NAME, H5_ITER_INC, (hsize_t)k,
-                                            name, size, H5P_DEFAULT);
-  return length < 0 ? fail_read(file, group) : SDR_OK;
-}
-
 sdr_status sdr_hdf_remove(sdr_hdf *file, const char *name)
 {
   return H5Ldelete(file->id, name, H5P_DEFAULT) < 0 ? fail_write(file->path) : SDR_OK;

@@ -60,9 +60,8 @@ sdr_status sdr_hdf_shape_of(sdr_hdf *file, const char *name, sdr_hdf_shape *shap
 sdr_status sdr_hdf_read(sdr_hdf *file, const char *name, sdr_hdf_shape shape, void *data);
 sdr_status sdr_hdf_read_text(sdr_hdf *file, const char *name, char *text, size_t size);
 
-/* Members of a group ("/" for the root), by name: how many, and the k-th's name. */
+/* How many members a group has ("/" for the root); 0 if there is no such group. */
 int sdr_hdf_count(sdr_hdf *file, const char *group);
-sdr_status sdr_hdf_name(sdr_hdf *file, const char *group, int k, char *name, size_t size);
 
 /* Remove a group or dataset. */
 sdr_status sdr_hdf_remove(sdr_hdf *file, const char *name);

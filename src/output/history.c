@@ -12,14 +12,14 @@
 #include <string.h>
 #include <unistd.h>
 
-struct sdr_history {
+struct sdr_history_file {
   int file;
   off_t length; /* bytes of whole lines */
   char path[PATH_MAX];
 };
 
 /* Append `text` whole or not at all. */
-static sdr_status append(sdr_history *history, const char *text, size_t size)
+static sdr_status append(sdr_history_file *history, const char *text, size_t size)
 {
   size_t done = 0;
   while (done < size) {
@@ -38,9 +38,9 @@ static sdr_status append(sdr_history *history, const char *text, size_t size)
   return SDR_OK;
 }
 
-static sdr_status open_at_end(const char *directory, int flags, sdr_history **out)
+static sdr_status open_at_end(const char *directory, int flags, sdr_history_file **out)
 {
-  sdr_history *history = sdr_alloc(1, sizeof *history);
+  sdr_history_file *history = sdr_alloc(1, sizeof *history);
   if (!history) return SDR_RUN_FAILED;
   snprintf(history->path, sizeof history->path, "%s/history.csv", directory);
   history->file = open(history->path, O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
@@ -48,16 +48,17 @@ static sdr_status open_at_end(const char *directory, int flags, sdr_history **ou
   if (history->length < 0) {
     const sdr_status status =
         sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", history->path, strerror(errno));
-    sdr_history_close(&history);
+    sdr_history_file_close(&history);
     return status;
   }
   *out = history;
   return SDR_OK;
 }
 
-sdr_status sdr_history_create(const char *directory, const char *header, sdr_history **out)
+sdr_status sdr_history_file_create(const char *directory, const char *header,
+                                   sdr_history_file **out)
 {
-  sdr_history *history = NULL;
+  sdr_history_file *history = NULL;
   SDR_TRY(open_at_end(directory, O_CREAT | O_TRUNC, &history));
   sdr_status status = append(history, header, strlen(header));
   if (status == SDR_OK) status = append(history, "\n", 1);
@@ -66,7 +67,7 @@ sdr_status sdr_history_create(const char *directory, const char *header, sdr_his
     return SDR_OK;
   }
   unlink(history->path);
-  sdr_history_close(&history);
+  sdr_history_file_close(&history);
   return status;
 }
 
@@ -115,8 +116,8 @@ static sdr_status cut(FILE *from, const char *path, const char *header, double t
   return status;
 }
 
-sdr_status sdr_history_continue(const char *directory, const char *header, double time,
-                                double *last, sdr_history **out)
+sdr_status sdr_history_file_continue(const char *directory, const char *header, double time,
+                                     double *last, sdr_history_file **out)
 {
   char path[PATH_MAX];
   double kept = NAN;
@@ -130,13 +131,13 @@ sdr_status sdr_history_continue(const char *directory, const char *header, doubl
     if (status != SDR_OK) return status;
     SDR_TRY(open_at_end(directory, 0, out));
   } else {
-    SDR_TRY(sdr_history_create(directory, header, out));
+    SDR_TRY(sdr_history_file_create(directory, header, out));
   }
   *last = kept;
   return SDR_OK;
 }
 
-sdr_status sdr_history_row(sdr_history *history, const double *values, int count)
+sdr_status sdr_history_file_row(sdr_history_file *history, const double *values, int count)
 {
   char *text = NULL;
   size_t size = 0;
@@ -151,7 +152,7 @@ sdr_status sdr_history_row(sdr_history *history, const double *values, int count
   return status;
 }
 
-void sdr_history_close(sdr_history **history)
+void sdr_history_file_close(sdr_history_file **history)
 {
   if (!*history) return;
   if ((*history)->file >= 0) close((*history)->file);

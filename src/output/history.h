@@ -4,20 +4,21 @@
 
 #include "base/status.h"
 
-typedef struct sdr_history sdr_history;
+typedef struct sdr_history_file sdr_history_file;
 
 /* A new DIRECTORY/history.csv with this header (no newline in it). */
-sdr_status sdr_history_create(const char *directory, const char *header, sdr_history **out);
+sdr_status sdr_history_file_create(const char *directory, const char *header,
+                                   sdr_history_file **out);
 
 /* Go on with the file there: rows later than `time` (s, their first number) and a torn last line
    are cut; *last becomes the time of the last row kept, NAN if none. Another header is
    SDR_BAD_INPUT. No file there: a new one. */
-sdr_status sdr_history_continue(const char *directory, const char *header, double time,
-                                double *last, sdr_history **out);
+sdr_status sdr_history_file_continue(const char *directory, const char *header, double time,
+                                     double *last, sdr_history_file **out);
 
 /* Append a row. On failure (SDR_IO_ERROR) no part of it is left. */
-sdr_status sdr_history_row(sdr_history *history, const double *values, int count);
+sdr_status sdr_history_file_row(sdr_history_file *history, const double *values, int count);
 
-void sdr_history_close(sdr_history **history); /* NULL-safe */
+void sdr_history_file_close(sdr_history_file **history); /* NULL-safe */
 
 #endif

@@ -29,7 +29,7 @@ typedef struct {
   sdr_columns *columns;
   double *values; /* one row */
   char *header;
-  sdr_history *history; /* NULL until the first row */
+  sdr_history_file *history; /* NULL until the first row */
 } ledger;
 
 static ledger *of(sdr_observer *observer)
@@ -108,8 +108,9 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
       b->external_work, b->imbalance, b->max_damage, (double)b->broken};
   memcpy(l->values, fixed, sizeof fixed);
   SDR_TRY(sdr_columns_values(l->columns, moment->system, l->values + FIXED_COLUMNS));
-  if (!l->history) SDR_TRY(sdr_history_create(moment->directory, l->header, &l->history));
-  SDR_TRY(sdr_history_row(l->history, l->values, FIXED_COLUMNS + sdr_columns_count(l->columns)));
+  if (!l->history) SDR_TRY(sdr_history_file_create(moment->directory, l->header, &l->history));
+  SDR_TRY(
+      sdr_history_file_row(l->history, l->values, FIXED_COLUMNS + sdr_columns_count(l->columns)));
   l->row_step = moment->step;
   return SDR_OK;
 }
@@ -118,7 +119,7 @@ static sdr_status finish(sdr_observer *observer, const sdr_moment *moment)
 {
   ledger *l = of(observer);
   const sdr_status status = l->row_step == moment->step ? SDR_OK : look(observer, moment);
-  sdr_history_close(&l->history);
+  sdr_history_file_close(&l->history);
   return status;
 }
 
@@ -135,9 +136,9 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   ledger *l = of(observer);
   double last;
   int wants_balance = 0;
-  sdr_history_close(&l->history);
-  SDR_TRY(sdr_history_continue(moment->directory, l->header, moment->time + 0.5 * moment->step_size,
-                               &last, &l->history));
+  sdr_history_file_close(&l->history);
+  SDR_TRY(sdr_history_file_continue(moment->directory, l->header,
+                                    moment->time + 0.5 * moment->step_size, &last, &l->history));
   const int row_there = last >= moment->time - 0.5 * moment->step_size;
   l->row_step = row_there ? moment->step : -1;
   return !row_there && due(observer, moment, &wants_balance) ? look(observer, moment) : SDR_OK;
@@ -146,7 +147,7 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
 static void destroy(sdr_observer *observer)
 {
   ledger *l = of(observer);
-  sdr_history_close(&l->history);
+  sdr_history_file_close(&l->history);
   sdr_columns_destroy(&l->columns);
   sdr_free(l->values);
   sdr_free(l->header);

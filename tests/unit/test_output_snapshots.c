@@ -1,4 +1,4 @@
-/* output: snapshots.h5, snapshots.xdmf, and the reader of them. */
+/* output: snapshots.h5 and snapshots.xdmf. */
 #include "output_body.h"
 
 #include "output/frames.h"
@@ -31,18 +31,28 @@ static void run(body *b, sdr_observer *observer, int from, int to)
   }
 }
 
+static sdr_hdf *open_file(const body *b)
+{
+  sdr_hdf *file = NULL;
+  assert_int_equal(sdr_hdf_open(body_path(b, "snapshots.h5"), 0, &file), SDR_OK);
+  return file;
+}
+
+/* The file as it is now, closed or still being written. */
 static void expect_frames(const body *b, int count, const int *steps)
 {
-  sdr_frames *frames = NULL;
-  double damage[64];
-  assert_int_equal(sdr_frames_open(b->directory, &frames), SDR_OK);
-  assert_int_equal(sdr_frames_count(frames), count);
+  double times[64], damage[64];
+  sdr_hdf *file = open_file(b);
+  assert_int_equal(sdr_frames_times(file, times, 64), count);
   for (int k = 0; k < count; ++k) {
-    assert_true(fabs(sdr_frames_time(frames, k) - steps[k] * b->moment.step_size) < 1e-15);
-    assert_int_equal(sdr_frames_read(frames, k, "damage", damage), SDR_OK);
+    char path[SDR_FRAME_PATH];
+    const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)b->points->count, 1};
+    sdr_frame_path(path, k, "damage");
+    assert_true(fabs(times[k] - steps[k] * b->moment.step_size) < 1e-15);
+    assert_int_equal(sdr_hdf_read(file, path, shape, damage), SDR_OK);
     assert_true(fabs(damage[1] - 0.001 * steps[k]) < 1e-7);
   }
-  sdr_frames_close(&frames);
+  sdr_hdf_discard(&file);
 }
 
 static void frames_lie_at_the_steps_nearest_to_even_times(void **state)
@@ -120,13 +130,12 @@ static void the_file_has_the_layout_of_the_contract(void **state)
 {
   (void)state;
   body b;
-  sdr_hdf *file = NULL;
   const char *const fields[] = {"displacement", "damage", "stress", "fragment"};
   body_create(&b, 3, 2);
   name_fields(&b, 4, fields);
   sdr_observer *observer = make(&b, 1);
   run(&b, observer, 0, 0);
-  assert_int_equal(sdr_hdf_open(body_path(&b, "snapshots.h5"), 0, &file), SDR_OK);
+  sdr_hdf *file = open_file(&b);
   expect_shape(file, "points/index", SDR_HDF_INT32, 1, 3, 1);
   expect_shape(file, "points/position", SDR_HDF_DOUBLE, 2, 3, 3);
   expect_shape(file, "points/volume", SDR_HDF_DOUBLE, 1, 3, 1);
@@ -145,12 +154,18 @@ static void the_file_has_the_layout_of_the_contract(void **state)
   body_destroy(&b);
 }
 
+static void expect_values(sdr_hdf *file, const char *name, size_t count, const double *wanted)
+{
+  double values[16];
+  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, count, 1};
+  assert_int_equal(sdr_hdf_read(file, name, shape, values), SDR_OK);
+  assert_memory_equal(values, wanted, count * sizeof *wanted);
+}
+
 static void points_stand_in_the_order_of_generation(void **state)
 {
   (void)state;
   body b;
-  sdr_frames *frames = NULL;
-  double values[9];
   const int32_t order[3] = {2, 0, 1};
   const char *const fields[] = {"displacement", "fragment", "stress"};
   body_create(&b, 3, 2);
@@ -164,52 +179,40 @@ static void points_stand_in_the_order_of_generation(void **state)
   }
   sdr_observer *observer = make(&b, 1);
   assert_int_equal(body_show(&b, observer), SDR_OK);
-  assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_OK);
-  assert_int_equal(sdr_frames_points(frames), 3);
-  assert_int_equal(sdr_frames_read_points(frames, "position", values), SDR_OK);
-  assert_memory_equal(values, ((const double[]){1, 0, 0, 2, 0, 0, 0, 0, 0}), sizeof values);
-  assert_int_equal(sdr_frames_read_points(frames, "volume", values), SDR_OK);
-  assert_memory_equal(values, ((const double[]){11, 12, 10}), 3 * sizeof *values);
-  assert_int_equal(sdr_frames_read(frames, 0, "displacement", values), SDR_OK);
-  assert_memory_equal(values, ((const double[]){2, -2, 3, -3, 1, -1}), 6 * sizeof *values);
-  assert_int_equal(sdr_frames_read(frames, 0, "fragment", values), SDR_OK);
-  assert_memory_equal(values, ((const double[]){1, 2, 0}), 3 * sizeof *values);
-  assert_int_equal(sdr_frames_read(frames, 0, "stress", values), SDR_OK);
-  assert_memory_equal(values, ((const double[]){1, 101, 201, 2, 102, 202, 0, 100, 200}),
-                      sizeof values);
-  sdr_frames_close(&frames);
+  sdr_hdf *file = open_file(&b);
+  expect_values(file, "points/index", 3, (const double[]){0, 1, 2});
+  expect_values(file, "points/position", 9, (const double[]){1, 0, 0, 2, 0, 0, 0, 0, 0});
+  expect_values(file, "points/volume", 3, (const double[]){11, 12, 10});
+  expect_values(file, "frame_0000/displacement", 6, (const double[]){2, -2, 3, -3, 1, -1});
+  expect_values(file, "frame_0000/fragment", 3, (const double[]){1, 2, 0});
+  expect_values(file, "frame_0000/stress", 9,
+                (const double[]){1, 101, 201, 2, 102, 202, 0, 100, 200});
+  sdr_hdf_discard(&file);
   observer->ops->destroy(observer);
   body_destroy(&b);
 }
 
-static void a_reader_finds_its_way(void **state)
+static void a_missing_dataset_or_another_size_is_bad_input(void **state)
 {
   (void)state;
   body b;
-  sdr_frames *frames = NULL;
-  char name[24], wanted[256];
-  double values[3];
-  int width = 0;
+  char wanted[256];
+  double values[9];
+  sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, 4, 1};
   body_create(&b, 3, 2);
   name_fields(&b, 2, usual);
   sdr_observer *observer = make(&b, 2);
-  run(&b, observer, 0, 100);
-  assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_OK); /* while it is written */
-  assert_int_equal(sdr_frames_nearest(frames, 0.0), 0);
-  assert_int_equal(sdr_frames_nearest(frames, 60e-6), 1);
-  assert_int_equal(sdr_frames_nearest(frames, 1.0), 2);
-  assert_int_equal(sdr_frames_field_count(frames, 1), 2);
-  assert_int_equal(sdr_frames_field_name(frames, 1, 0, name), SDR_OK);
-  assert_string_equal(name, "damage");
-  assert_int_equal(sdr_frames_field_name(frames, 1, 1, name), SDR_OK);
-  assert_string_equal(name, "displacement");
-  assert_int_equal(sdr_frames_width(frames, 1, "displacement", &width), SDR_OK);
-  assert_int_equal(width, 2);
-  assert_int_equal(sdr_frames_read(frames, 1, "stress", values), SDR_BAD_INPUT);
-  snprintf(wanted, sizeof wanted,
-           "%s/snapshots.h5 holds no field 'stress'; it has: damage, displacement", b.directory);
+  run(&b, observer, 0, 0);
+  sdr_hdf *file = open_file(&b);
+  assert_int_equal(sdr_hdf_read(file, "frame_0000/damage", shape, values), SDR_BAD_INPUT);
+  snprintf(wanted, sizeof wanted, "%s/snapshots.h5: frame_0000/damage holds 3 values, not 4",
+           b.directory);
   assert_string_equal(sdr_error_message(), wanted);
-  sdr_frames_close(&frames);
+  assert_false(sdr_hdf_has(file, "frame_0000/stress"));
+  assert_false(sdr_hdf_has(file, "frame_0001/damage"));
+  assert_int_equal(sdr_hdf_shape_of(file, "frame_0001/damage", &shape), SDR_BAD_INPUT);
+  assert_non_null(strstr(sdr_error_message(), "snapshots.h5: frame_0001/damage cannot be read: "));
+  sdr_hdf_discard(&file);
   observer->ops->destroy(observer);
   body_destroy(&b);
 }
@@ -218,19 +221,19 @@ static void a_file_that_is_missing_or_no_hdf5_is_told_apart(void **state)
 {
   (void)state;
   body b;
-  sdr_frames *frames = NULL;
+  sdr_hdf *file = NULL;
   char wanted[256];
   body_create(&b, 3, 2);
-  assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_IO_ERROR);
+  assert_int_equal(sdr_hdf_open(body_path(&b, "snapshots.h5"), 0, &file), SDR_IO_ERROR);
   snprintf(wanted, sizeof wanted, "cannot read %s/snapshots.h5: No such file or directory",
            b.directory);
   assert_string_equal(sdr_error_message(), wanted);
   body_write(&b, "snapshots.h5", "time,kinetic\n");
-  assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_BAD_INPUT);
+  assert_int_equal(sdr_hdf_open(body_path(&b, "snapshots.h5"), 0, &file), SDR_BAD_INPUT);
   snprintf(wanted, sizeof wanted,
            "%s/snapshots.h5 is not a whole HDF5 file: file signature not found", b.directory);
   assert_string_equal(sdr_error_message(), wanted);
-  assert_null(frames);
+  assert_null(file);
   body_destroy(&b);
 }
 
@@ -413,13 +416,12 @@ static void a_full_disk_keeps_the_frames_before(void **state)
   (void)state;
   static const int steps[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   body b;
-  sdr_frames *frames = NULL;
   body_create(&b, 50, 2);
   name_fields(&b, 2, usual);
   assert_int_equal(body_with_full_disk(90000, fill_snapshots, &b), 0);
-  assert_int_equal(sdr_frames_open(b.directory, &frames), SDR_OK);
-  const int count = sdr_frames_count(frames);
-  sdr_frames_close(&frames);
+  sdr_hdf *file = open_file(&b);
+  const int count = sdr_frames_times(file, NULL, 0);
+  sdr_hdf_discard(&file);
   assert_true(count > 1 && count < 16);
   expect_frames(&b, count, steps);
   char *text = body_read(&b, "snapshots.xdmf");
@@ -465,7 +467,7 @@ int main(void)
       cmocka_unit_test(no_snapshots_make_no_file),
       cmocka_unit_test(the_file_has_the_layout_of_the_contract),
       cmocka_unit_test(points_stand_in_the_order_of_generation),
-      cmocka_unit_test(a_reader_finds_its_way),
+      cmocka_unit_test(a_missing_dataset_or_another_size_is_bad_input),
       cmocka_unit_test(a_file_that_is_missing_or_no_hdf5_is_told_apart),
       cmocka_unit_test(the_xdmf_names_every_frame_and_its_vertices),
       cmocka_unit_test(an_unknown_field_is_refused),
