@@ -62,6 +62,8 @@ static void units_become_si(void **state)
   assert_value("2 /s", ((sdr_unit){0, 0, -1, 0}), 2.0);
   assert_value("5 \xC2\xB5s", TIME, 5e-6);
   assert_value("-5", LENGTH, -5.0);
+  assert_value("5 m^1/2", LENGTH, 2.5); /* as the manual says */
+  assert_value("1/2 m", ((sdr_unit){-1, 0, 0, 0}), 0.5);
 }
 
 /* A decimal length in mm is the double nearest to it in m, so lattices meet their shapes. */
