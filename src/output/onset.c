@@ -21,17 +21,20 @@ typedef struct {
 
 static const double interval = 0.5e-6; /* s */
 
-/* Due if the next step would come too late. */
+/* Due if the next step would come too late. The balance knows the largest damage of a bond, for
+   less than the field costs and often made anyway. */
 static int due(const sdr_observer *observer, const sdr_moment *moment, int *wants_balance)
 {
   const onset *o = (const onset *)(const void *)observer;
-  (void)wants_balance;
   if (!isnan(o->now.found)) return 0;
-  if (moment->step == 0 || moment->last) return 1;
-  return moment->time + moment->step_size - o->now.looked > interval * (1.0 + 1e-6);
+  if (moment->step == 0) return 1;
+  const double late = moment->time + moment->step_size - o->now.looked;
+  if (!moment->last && late <= interval * (1.0 + 1e-6)) return 0;
+  *wants_balance = 1;
+  return 1;
 }
 
-/* No point can have passed what no bond has. */
+/* No point, whose damage is a mean over bonds, can have passed what no bond has. */
 static int cannot_have_passed(const onset *o, const sdr_moment *moment)
 {
   return moment->balance && moment->balance->model.max_damage < o->threshold;
