@@ -126,17 +126,26 @@ static int off(const sdr_rundata *run, const char *figure)
   return value < figure_number(run, figure, "low") || value > figure_number(run, figure, "high");
 }
 
+static void print_range(FILE *out, const sdr_rundata *run, char which, const char *figure)
+{
+  const double low = figure_number(run, figure, "low"), high = figure_number(run, figure, "high");
+  if (!off(run, figure)) return;
+  if (isnan(high))
+    fprintf(out, "    %c is outside of its range, at least %g\n", which, low);
+  else if (isnan(low))
+    fprintf(out, "    %c is outside of its range, at most %g\n", which, high);
+  else
+    fprintf(out, "    %c is outside of its range, %g to %g\n", which, low, high);
+}
+
 static void print_figure(FILE *out, const sdr_rundata *a, const sdr_rundata *b, const char *figure)
 {
   char name[NAME_WIDTH + 1];
   snprintf(name, sizeof name, "  %.*s", NAME_WIDTH - 4, figure);
   print_numbers(out, name, figure_number(a, figure, "value"), figure_number(b, figure, "value"),
                 "");
-  const sdr_rundata *const runs[2] = {a, b};
-  for (int k = 0; k < 2; ++k)
-    if (off(runs[k], figure))
-      fprintf(out, "    %c is outside of its range %g .. %g\n", 'A' + k,
-              figure_number(runs[k], figure, "low"), figure_number(runs[k], figure, "high"));
+  print_range(out, a, 'A', figure);
+  print_range(out, b, 'B', figure);
 }
 
 static int has_figure(const sdr_rundata *run, const char *figure)

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { NAME_ROOM = 256, MAGNITUDE = -1 };
@@ -83,19 +84,42 @@ static sdr_status pick(const char *field, const char *component, int components,
                   component, names);
 }
 
-/* Colour scale by the values: both signs share one centred on zero. */
-static void scale(const sdr_rundata *run, const char *name, sdr_plot_field *field)
+static int rising(const void *a, const void *b)
 {
-  double low = INFINITY, high = -INFINITY;
-  for (int32_t i = 0; i < run->point_count; ++i) {
-    if (!isfinite(field->value[i])) continue;
-    low = fmin(low, (double)field->value[i]);
-    high = fmax(high, (double)field->value[i]);
+  const float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+/* Range of the values, and the range without the few (2 in 1000 at each end) that would leave no
+   colour for the rest: points that fly off, stress at one loaded point. */
+static sdr_status measure(const sdr_rundata *run, sdr_plot_field *field)
+{
+  float *sorted = sdr_alloc((size_t)run->point_count, sizeof *sorted);
+  if (!sorted) return SDR_RUN_FAILED;
+  int32_t count = 0;
+  for (int32_t i = 0; i < run->point_count; ++i)
+    if (isfinite(field->value[i])) sorted[count++] = field->value[i];
+  qsort(sorted, (size_t)count, sizeof *sorted, rising);
+  if (count > 0) {
+    const int32_t few = count / 500;
+    field->least = (double)sorted[0];
+    field->most = (double)sorted[count - 1];
+    field->low = (double)sorted[few];
+    field->high = (double)sorted[count - 1 - few];
   }
-  if (!(low <= high)) low = high = 0.0;
+  sdr_free(sorted);
+  const double inner = fmax(fabs(field->low), fabs(field->high));
+  if (inner > 0.0 && fmax(fabs(field->least), fabs(field->most)) > 2.0 * inner) return SDR_OK;
+  field->low = field->least;
+  field->high = field->most;
+  return SDR_OK;
+}
+
+/* Colour scale by the values: both signs share one centred on zero. */
+static void scale(const char *name, sdr_plot_field *field)
+{
+  const double low = field->low, high = field->high;
   field->palette = &sdr_palette_sequential;
-  field->low = low;
-  field->high = high;
   if (strcmp(name, "damage") == 0) {
     field->palette = &sdr_palette_damage;
     field->low = 0.0;
@@ -151,8 +175,13 @@ sdr_status sdr_plot_field_read(const sdr_rundata *run, int frame, const char *na
           chosen == MAGNITUDE ? (float)magnitude(v, components, is_tensor(base)) : v[chosen];
     }
     name_it(base, component, components, chosen, &field);
-    scale(run, base, &field);
+    status = measure(run, &field);
+  }
+  if (status == SDR_OK) {
+    scale(base, &field);
     *out = field;
+  } else {
+    sdr_plot_field_clear(&field);
   }
   sdr_free(all);
   return status;
@@ -169,6 +198,8 @@ void sdr_plot_field_share(sdr_plot_field *a, sdr_plot_field *b)
   const double low = fmin(a->low, b->low), high = fmax(a->high, b->high);
   a->low = b->low = low;
   a->high = b->high = high;
+  a->least = b->least = fmin(a->least, b->least);
+  a->most = b->most = fmax(a->most, b->most);
   if (a->palette == b->palette) return;
   const double both = fmax(fabs(low), fabs(high));
   if (low < 0.0 && high > 0.0) {

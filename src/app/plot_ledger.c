@@ -149,16 +149,18 @@ static double tic_step(const double range[2], double scale, int count)
   return power * (digit > 5.0 ? 10.0 : digit > 2.0 ? 5.0 : digit > 1.0 ? 2.0 : 1.0);
 }
 
-/* The imbalance as a share of the largest energy, at the right. */
+/* The imbalance over the largest energy, at the right. */
 static void write_share(sdr_picture *picture, sdr_area area, const sdr_ledger_range *range)
 {
-  const double scale = 100.0 / range->largest;
+  char label[128];
   if (!(range->largest > 0.0) || !(larger(range->imbalance) > 0.0)) return;
+  const sdr_prefix prefix = sdr_prefix_for(larger(range->imbalance) / range->largest);
+  const double scale = prefix.scale / range->largest;
   write_range(picture, "y2", range->imbalance, 0.12, scale);
   fprintf(picture->script, "set y2tics out %.9g\n", tic_step(range->imbalance, scale, 4));
-  sdr_picture_upright(picture, area.left + area.width + 5.4 * picture->font,
-                      area.bottom + 0.5 * area.height, 0.85, 2.0 * area.height,
-                      "% of largest energy");
+  sdr_axis_label("of largest energy", "", prefix, label, sizeof label);
+  sdr_picture_upright(picture, area.left + area.width + 5.2 * picture->font,
+                      area.bottom + 0.5 * area.height, 0.85, 2.0 * area.height, label);
 }
 
 /* One entry of the legend at x, y px: a piece of the line and its name. */

@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-static const sdr_colour_stop damage_stops[] = {{0.00, 227, 230, 234}, {0.06, 240, 222, 176},
-                                               {0.24, 240, 164, 74},  {0.50, 201, 67, 56},
-                                               {0.76, 112, 26, 78},   {1.00, 24, 6, 36}};
+/* Spread-out damage below a third stays light, so that cracks stand out of it. */
+static const sdr_colour_stop damage_stops[] = {{0.00, 227, 230, 234}, {0.12, 231, 217, 186},
+                                               {0.32, 240, 172, 86},  {0.55, 201, 67, 56},
+                                               {0.78, 112, 26, 78},   {1.00, 24, 6, 36}};
 static const sdr_colour_stop sequential_stops[] = {{0.00, 234, 240, 243},
                                                    {0.25, 166, 206, 214},
                                                    {0.50, 84, 156, 184},

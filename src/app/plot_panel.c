@@ -168,23 +168,67 @@ sdr_status sdr_panel_line(sdr_picture *picture, sdr_area area, const sdr_rundata
   sdr_axis_label("x", "m", along, below, sizeof below);
   sdr_axis_label(field->label, field->unit, up, beside, sizeof beside);
   name_axes(picture, area, below, beside);
-  const double border = 0.03 * (field->high - field->low);
+  const double low = fmin(field->low, field->least), high = fmax(field->high, field->most);
+  const double border = 0.03 * (high - low);
   fprintf(picture->script,
           "set grid lt 1 lw 0.8 lc rgb '#c8c8c8'\n"
           "plot [%.9g:%.9g][%.9g:%.9g] $line using 1:2 with %s lw 2 lc '#0b5394' pt 7 ps %.2f "
           "notitle\n",
-          x[0] * along.scale, x[1] * along.scale, (field->low - border) * up.scale,
-          (field->high + border) * up.scale, count <= 200 ? "linespoints" : "lines",
-          picture->font / 40.0);
+          x[0] * along.scale, x[1] * along.scale, (low - border) * up.scale,
+          (high + border) * up.scale, count <= 200 ? "linespoints" : "lines", picture->font / 40.0);
   sdr_picture_clear_axes(picture);
   return SDR_OK;
+}
+
+static void name_colours(sdr_picture *picture, sdr_area area, const char *label)
+{
+  sdr_picture_upright(picture, area.left + area.width + 5.0 * picture->font,
+                      area.bottom + 0.5 * area.height, 1.1, 1.2 * area.height, label);
+}
+
+/* Name and unit; where a few values lie beyond the colours, also how far they go. */
+static void colours_label(const sdr_plot_field *field, sdr_prefix prefix, char *text, size_t room)
+{
+  char beyond[96] = "";
+  const double over = fmax(field->most - field->high, field->low - field->least);
+  const double farthest = field->most - field->high == over ? field->most : field->least;
+  if (over > 1e-3 * (field->high - field->low))
+    snprintf(beyond, sizeof beyond, ", some up to %.*f",
+             fabs(farthest * prefix.scale) < 10.0 ? 1 : 0, farthest * prefix.scale);
+  sdr_axis_label(field->label, field->unit, prefix, text, room);
+  const size_t length = strlen(text);
+  snprintf(text + length, room - length, "%s", beyond);
+}
+
+/* A band for each number; beyond the first 13 the colours come round again. */
+static void piece_colours(sdr_picture *picture, sdr_area area, const sdr_plot_field *field)
+{
+  enum { BANDS = 13 };
+  unsigned char rgba[2 * 8 * BANDS];
+  const int first = (int)field->least, all = (int)field->most - first + 1;
+  const int count = all > BANDS ? BANDS : all;
+  char label[400];
+  for (int k = 0; k < 4 * count; ++k) {
+    sdr_plot_field_colour(field, first + k / 4, rgba + 4 * k);
+    rgba[4 * k + 3] = 255;
+  }
+  snprintf(label, sizeof label, "%s%s", field->label, all > BANDS ? ", colours repeat" : "");
+  const double x[2] = {0.0, 1.0}, y[2] = {first - 0.5, first + count - 0.5};
+  sdr_picture_place(picture, area);
+  name_colours(picture, area, label);
+  fprintf(picture->script, "set y2range [%.12g:%.12g]\nset y2tics out 1\n", y[0], y[1]);
+  sdr_picture_image(picture, 2, 2 * count, x, y, rgba);
+  sdr_picture_clear_axes(picture);
 }
 
 void sdr_panel_colours(sdr_picture *picture, sdr_area area, const sdr_plot_field *field)
 {
   enum { STEPS = 512 };
   unsigned char rgba[8 * STEPS];
-  if (field->pieces) return;
+  if (field->pieces) {
+    piece_colours(picture, area, field);
+    return;
+  }
   for (int k = 0; k < STEPS; ++k) {
     const double share = (k + 0.5) / STEPS;
     unsigned char *pixel = rgba + 8 * k;
@@ -196,10 +240,9 @@ void sdr_panel_colours(sdr_picture *picture, sdr_area area, const sdr_plot_field
   const double x[2] = {0.0, 1.0};
   const double y[2] = {field->low * prefix.scale, field->high * prefix.scale};
   char label[400];
-  sdr_axis_label(field->label, field->unit, prefix, label, sizeof label);
+  colours_label(field, prefix, label, sizeof label);
+  name_colours(picture, area, label);
   sdr_picture_place(picture, area);
-  sdr_picture_upright(picture, area.left + area.width + 5.0 * picture->font,
-                      area.bottom + 0.5 * area.height, 1.1, 1.2 * area.height, label);
   fprintf(picture->script, "set y2range [%.12g:%.12g]\nset y2tics out\n", y[0], y[1]);
   sdr_picture_image(picture, 2, STEPS, x, y, rgba);
   sdr_picture_clear_axes(picture);

@@ -24,7 +24,7 @@ sdr_status sdr_panel_body(sdr_picture *picture, sdr_area area, const sdr_raster 
 sdr_status sdr_panel_line(sdr_picture *picture, sdr_area area, const sdr_rundata *run,
                           const sdr_plot_field *field, const double x[2]);
 
-/* The colour scale; nothing for pieces. */
+/* The colour scale with its name, which is written to the right of the area. */
 void sdr_panel_colours(sdr_picture *picture, sdr_area area, const sdr_plot_field *field);
 
 #endif

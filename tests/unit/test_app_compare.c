@@ -213,7 +213,7 @@ static void a_figure_outside_of_its_range_is_marked(void **state)
   made_run other = first;
   other.cracks = 4;
   assert_int_equal(compare(&first, &other, printed, sizeof printed), SDR_OK);
-  assert_non_null(strstr(printed, "    B is outside of its range 5 .. 20\n"));
+  assert_non_null(strstr(printed, "    B is outside of its range, 5 to 20\n"));
   assert_null(strstr(printed, "    A is outside"));
 }
 

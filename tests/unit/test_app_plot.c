@@ -188,6 +188,34 @@ static void colour_scales_follow_the_signs_of_the_values(void **state)
   made_run_remove(dir);
 }
 
+static void a_few_stray_values_do_not_take_the_colours_from_the_rest(void **state)
+{
+  (void)state;
+  enum { N = 2000 };
+  char dir[512], path[600];
+  float values[N];
+  const made_run bar = {.dimension = 1, .cells = N, .law = "none", .frames = 1};
+  made_run_write(made_run_name("plot", dir), &bar);
+  for (int i = 0; i < N; ++i) values[i] = (float)(i + 1) / N;
+  values[17] = 1000.0F;
+  snprintf(path, sizeof path, "%s/snapshots.h5", dir);
+  const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t group = H5Gopen2(file, "/frame_0000", H5P_DEFAULT);
+  made_set(group, "velocity", H5T_NATIVE_FLOAT, N, 1, values);
+  H5Gclose(group);
+  H5Fclose(file);
+  sdr_rundata *run = NULL;
+  sdr_plot_field field;
+  assert_int_equal(sdr_rundata_open(dir, &run), SDR_OK);
+  assert_int_equal(sdr_plot_field_read(run, 0, "velocity", &field), SDR_OK);
+  assert_close(field.high, 1.0, 0.01);
+  assert_close(field.most, 1000.0, 0.0);
+  assert_close(field.least, 1.0 / N, 1e-9);
+  sdr_plot_field_clear(&field);
+  sdr_rundata_destroy(&run);
+  made_run_remove(dir);
+}
+
 /* ---- what can go wrong ---- */
 
 /* The message, without the directory's name. */
@@ -407,6 +435,7 @@ int main(void)
       cmocka_unit_test(a_frame_without_its_time_does_not_count),
       cmocka_unit_test(a_field_alone_is_its_magnitude_and_components_have_names),
       cmocka_unit_test(colour_scales_follow_the_signs_of_the_values),
+      cmocka_unit_test(a_few_stray_values_do_not_take_the_colours_from_the_rest),
       cmocka_unit_test(a_wrong_request_says_what_there_is),
       cmocka_unit_test(a_directory_that_is_no_run_is_refused),
       cmocka_unit_test(a_run_without_snapshots_still_gets_its_ledger),
