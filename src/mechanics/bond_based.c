@@ -222,6 +222,7 @@ static void destroy(sdr_model *model)
   sdr_free(bond->body.run_marked);
   sdr_free(bond->body.run_fresh);
   sdr_free(bond->body.chunk_fresh);
+  sdr_free(bond->family_volume);
   sdr_free(bond->booked);
   sdr_free(bond);
 }

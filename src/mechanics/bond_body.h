@@ -37,6 +37,10 @@ typedef void (*sdr_loose_force)(const sdr_bond_body *body, int64_t first, int64_
 typedef void (*sdr_run_energies)(const sdr_bond_body *body, int64_t first, int64_t end,
                                  double *const u[3], sdr_stripe_energies *sum);
 
+/* Runs [first, end): sum over each point's bonds of damage times the neighbour's volume. */
+typedef void (*sdr_run_damage)(const sdr_bond_body *body, int64_t first, int64_t end,
+                               double *const u[3], double *sum);
+
 /* The kernels of one instruction set. */
 typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
@@ -44,6 +48,7 @@ typedef struct {
   sdr_run_force run_force[3][3][2][2];
   sdr_loose_force loose_force[3][3][2][2];
   sdr_run_energies run_energies[3][3][2];
+  sdr_run_damage run_damage[3][3][2];
   /* f += K v with the tangent K of the reference shape, damage aside: [components - 1][moduli] */
   sdr_run_force run_reference[3][2];
 } sdr_bond_kernels;

@@ -39,14 +39,34 @@ static double stretch(const field_call *call, const sdr_pair *pair)
   return sdr_pair_stretch(pair, call->model->head.points->components, call->u);
 }
 
-static void add_damage(const void *context, const sdr_pair *pair, int32_t point, double sign)
+static void add_family_volume(const void *context, const sdr_pair *pair, int32_t point, double sign)
 {
   const field_call *call = context;
   if (own_weight(pair, sign) <= 0.0) return;
+  call->sum[0][point] += call->model->head.points->volume[sign > 0.0 ? pair->j : pair->i];
+}
+
+/* Loose slots only: runs have a kernel. */
+static void add_loose_damage(void *context, const sdr_pair *pair)
+{
+  const field_call *call = context;
+  if (pair->weight_ij <= 0.0) return;
   const sdr_pair_state state = sdr_pair_state_at(&call->model->body, pair, stretch(call, pair));
-  const double volume = call->model->head.points->volume[sign > 0.0 ? pair->j : pair->i];
-  call->sum[0][point] += volume * (sign > 0.0 ? state.damage_ij : state.damage_ji);
-  call->sum[1][point] += volume;
+  call->sum[0][pair->i] += call->model->head.points->volume[pair->j] * state.damage_ij;
+}
+
+static void damage_of_stripe(void *context, int s)
+{
+  const field_call *call = context;
+  const sdr_bond_model *model = call->model;
+  const sdr_points *points = model->head.points;
+  const sdr_bonds *bonds = model->bonds;
+  const int each = model->body.stiffness_at != NULL;
+  model->kernels->run_damage[model->body.law][points->components - 1][each](
+      &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->sum[0]);
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context);
 }
 
 /* Stored and dissipated energy of a pair, J. */
@@ -229,6 +249,21 @@ static void divide(const double *numerator, const double *denominator, int32_t c
     out[i] = denominator[i] > 0.0 ? numerator[i] / denominator[i] : 0.0;
 }
 
+static sdr_status damage(sdr_bond_model *model, double *const u[3], double *sum, double *out)
+{
+  const sdr_points *points = model->head.points;
+  if (!model->family_volume) {
+    double *volume = sdr_alloc(sdr_points_padded(points), sizeof *volume);
+    if (!volume) return SDR_RUN_FAILED;
+    accumulate(model, u, 1, volume, add_family_volume);
+    model->family_volume = volume;
+  }
+  field_call call = {.model = model, .u = u, .sum = {sum}};
+  sdr_each_stripe(points, damage_of_stripe, &call);
+  divide(sum, model->family_volume, points->count, out);
+  return SDR_OK;
+}
+
 sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out)
 {
   sdr_bond_model *bond = (sdr_bond_model *)model;
@@ -236,11 +271,12 @@ sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field 
   const size_t padded = sdr_points_padded(points), count = (size_t)points->count;
   if (which == SDR_FIELD_STRAIN) return strain(bond, u, 0, out);
   if (which == SDR_FIELD_DILATATION) return strain(bond, u, 1, out);
-  double *sum = sdr_alloc(6 * padded, sizeof *sum);
+  const size_t sums = which == SDR_FIELD_DAMAGE ? 1 : which == SDR_FIELD_STRESS ? 6 : 2;
+  double *sum = sdr_alloc(sums * padded, sizeof *sum);
   if (!sum) return SDR_RUN_FAILED;
+  sdr_status status = SDR_OK;
   if (which == SDR_FIELD_DAMAGE) {
-    accumulate(bond, u, 2, sum, add_damage);
-    divide(sum, sum + padded, points->count, out);
+    status = damage(bond, u, sum, out);
   } else if (which == SDR_FIELD_STRESS) {
     const int components = points->components * (points->components + 1) / 2;
     accumulate(bond, u, components, sum, add_stress);
@@ -254,7 +290,7 @@ sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field 
     divide(energy, points->volume, points->count, out);
   }
   sdr_free(sum);
-  return SDR_OK;
+  return status;
 }
 
 typedef struct {

@@ -10,7 +10,9 @@ typedef struct {
   sdr_bonds *bonds;
   sdr_bond_body body;
   const sdr_bond_kernels *kernels;
-  double *booked; /* a stripe: energy of bonds lost so far, J (critical_stretch) */
+  double
+      *family_volume; /* a point: sum of V_j over H_i, m^3; made when damage is first asked for */
+  double *booked;     /* a stripe: energy of bonds lost so far, J (critical_stretch) */
 } sdr_bond_model;
 
 /* C and q of point i. */

@@ -27,6 +27,12 @@
   {                                                                                                \
     energies_of_runs(n, code, each, body, first, end, u, sum);                                     \
   }
+#define SDR_DAMAGE(law, code, n, each)                                                             \
+  static void damage_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,      \
+                                       double *const u[3], double *sum)                            \
+  {                                                                                                \
+    damage_of_runs(n, code, each, body, first, end, u, sum);                                       \
+  }
 #define SDR_REFERENCE(n, each)                                                                     \
   static void reference_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,           \
                                   double *const v[3], double *const f[3])                          \
@@ -39,7 +45,9 @@
   SDR_FORCE(law, code, n, 1, 0)                                                                    \
   SDR_FORCE(law, code, n, 1, 1)                                                                    \
   SDR_ENERGIES(law, code, n, 0)                                                                    \
-  SDR_ENERGIES(law, code, n, 1)
+  SDR_ENERGIES(law, code, n, 1)                                                                    \
+  SDR_DAMAGE(law, code, n, 0)                                                                      \
+  SDR_DAMAGE(law, code, n, 1)
 #define SDR_EACH_DIMENSION(law, code)                                                              \
   SDR_EACH_MODULI(law, code, 1)                                                                    \
   SDR_EACH_MODULI(law, code, 2)                                                                    \
@@ -69,10 +77,16 @@ SDR_REFERENCE(3, 1)
             {energies_##law##_20, energies_##law##_21},                                            \
             {energies_##law##_30, energies_##law##_31}},
 
+#define SDR_DAMAGE_ROW(law, code)                                                                  \
+  [code] = {{damage_##law##_10, damage_##law##_11},                                                \
+            {damage_##law##_20, damage_##law##_21},                                                \
+            {damage_##law##_30, damage_##law##_31}},
+
 const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
     .name = SDR_TEXT(SDR_ISA),
     .run_force = {SDR_LAWS(SDR_FORCE_ROW)},
     .loose_force = {SDR_LAWS(SDR_LOOSE_ROW)},
     .run_energies = {SDR_LAWS(SDR_ENERGIES_ROW)},
+    .run_damage = {SDR_LAWS(SDR_DAMAGE_ROW)},
     .run_reference = {
         {reference_10, reference_11}, {reference_20, reference_21}, {reference_30, reference_31}}};

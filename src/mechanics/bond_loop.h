@@ -307,6 +307,63 @@ SDR_INLINE void energies_of_runs(const int components, const int law, const int 
   }
 }
 
+/* ---- damage of points ------------------------------------------------------------------------ */
+
+/* Add a block's d_ij V_j to i and d_ji V_i to j, over bonds that are there. */
+SDR_INLINE void damage_of_block(const int components, const int law, const int each,
+                                const sdr_bond_body *body, const sdr_block *b,
+                                const sdr_bond_class *class, const double *vi, const double *vj,
+                                double F[3][SDR_BLOCK])
+{
+  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
+  const double inverse = 1.0 / (class->length * class->length);
+  const double ni = class->weight_ij > 0.0 ? 1.0 : 0.0, nj = class->weight_ji > 0.0 ? 1.0 : 0.0;
+#pragma omp simd
+  for (int k = 0; k < b->count; ++k) {
+    double di = 0.0, dj = 0.0;
+    if (law == SDR_LAW_VARIATIONAL) {
+      const double ex = b->uj[0][k] - b->ui[0][k];
+      const double ey = components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0;
+      const double ez = components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0;
+      double z = (2.0 * xx + ex) * ex;
+      if (components > 1) z += (2.0 * xy + ey) * ey;
+      if (components > 2) z += (2.0 * xz + ez) * ez;
+      const float grown = grown_stretch(1, b->stretch[k], stretch_of(z * inverse).s);
+      const double kk = grown > 0.0f ? (double)grown * (double)grown : 0.0;
+      const double cut = grown == SDR_STRETCH_CUT ? 1.0 : 0.0;
+      di = kk / (kk + (each ? b->qi[k] : body->threshold)) + cut;
+      dj = kk / (kk + (each ? b->qj[k] : body->threshold)) + cut;
+    } else {
+      di = b->flags[k] & SDR_LOST_I ? 1.0 : 0.0;
+      dj = b->flags[k] & SDR_LOST_J ? 1.0 : 0.0;
+    }
+    F[0][k] = ni * di * vj[k];
+    F[1][k] = nj * dj * vi[k];
+  }
+}
+
+SDR_INLINE void damage_of_runs(const int components, const int law, const int each,
+                               const sdr_bond_body *body, int64_t first, int64_t end,
+                               double *const u[3], double *sum)
+{
+  const double *const volume = body->points->volume;
+  _Alignas(64) double F[3][SDR_BLOCK];
+  if (law != SDR_LAW_VARIATIONAL && !body->flags) return;
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
+      const sdr_block b = block_at(components, body, run, start, u, NULL);
+      const int64_t i = run->i0 + start, j = run->j0 + start;
+      damage_of_block(components, law, each, body, &b, class, volume + i, volume + j, F);
+#pragma omp simd
+      for (int k = 0; k < b.count; ++k) sum[i + k] += F[0][k];
+#pragma omp simd
+      for (int k = 0; k < b.count; ++k) sum[j + k] += F[1][k];
+    }
+  }
+}
+
 /* ---- loose pairs: both points gather --------------------------------------------------------- */
 
 SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
