@@ -1,5 +1,8 @@
 #include "output/rundir.h"
 
+#include "output/fields.h"
+
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -10,18 +13,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Marks of a complete run, and what is made from one. A picture of a field is named after it. */
-static const char *const complete_names[] = {
-    "summary.json", "ledger.png",     "displacement.png", "velocity.png", "acceleration.png",
-    "damage.png",   "dissipated.png", "force.png",        "reaction.png", "energy_density.png",
-    "stress.png",   "strain.png",     "dilatation.png",   "material.png", "horizon.png",
-    "spacing.png",  "level.png",      "fragment.png"};
-static const char *const data_names[] = {"history.csv", "snapshots.h5", "snapshots.xdmf",
-                                         "checkpoint.h5", "used.yaml"};
-enum {
-  COMPLETE_NAMES = sizeof complete_names / sizeof *complete_names,
-  DATA_NAMES = sizeof data_names / sizeof *data_names
-};
+/* summary.json is the mark of a complete run. */
+static const char *const names[] = {"summary.json",   "history.csv",   "snapshots.h5",
+                                    "snapshots.xdmf", "checkpoint.h5", "used.yaml"};
+enum { NAMES = sizeof names / sizeof *names };
 
 static sdr_status join(const char *directory, const char *name, const char *ending, char *path)
 {
@@ -112,18 +107,45 @@ static sdr_status remove_one(const char *directory, const char *name, const char
   return sdr_fail(SDR_IO_ERROR, "cannot remove %s: %s", path, strerror(errno));
 }
 
-static sdr_status remove_all(const char *directory, const char *const *names, int count)
+/* FIELD.png and FIELD.COMPONENT.png of `plot`, its ledger.png, compare.png of `compare`. */
+static int is_our_picture(const char *name)
 {
-  for (int k = 0; k < count; ++k) {
-    SDR_TRY(remove_one(directory, names[k], ""));
-    SDR_TRY(remove_one(directory, names[k], ".part"));
-  }
-  return SDR_OK;
+  char stem[32];
+  const size_t length = strlen(name), first = strcspn(name, ".");
+  if (length < 4 || strcmp(name + length - 4, ".png") != 0 || first >= sizeof stem) return 0;
+  memcpy(stem, name, first);
+  stem[first] = '\0';
+  const int whole = first == length - 4;
+  if (whole && (strcmp(stem, "ledger") == 0 || strcmp(stem, "compare") == 0)) return 1;
+  return sdr_field_find(stem) != NULL;
+}
+
+static sdr_status remove_pictures(const char *directory)
+{
+  DIR *list = opendir(directory);
+  if (!list)
+    return sdr_fail(SDR_IO_ERROR, "cannot read the directory %s: %s", directory, strerror(errno));
+  sdr_status status = SDR_OK;
+  for (const struct dirent *entry; status == SDR_OK && (entry = readdir(list)) != NULL;)
+    if (is_our_picture(entry->d_name)) status = remove_one(directory, entry->d_name, "");
+  closedir(list);
+  return status;
 }
 
 sdr_status sdr_rundir_reopen(const char *directory)
 {
-  return remove_all(directory, complete_names, COMPLETE_NAMES);
+  SDR_TRY(remove_one(directory, names[0], ""));
+  return remove_pictures(directory);
+}
+
+static sdr_status remove_old(const char *directory)
+{
+  SDR_TRY(sdr_rundir_reopen(directory));
+  for (int k = 0; k < NAMES; ++k) {
+    SDR_TRY(remove_one(directory, names[k], ""));
+    SDR_TRY(remove_one(directory, names[k], ".part"));
+  }
+  return SDR_OK;
 }
 
 sdr_status sdr_rundir_open(const char *directory, int resume, int *lock)
@@ -131,12 +153,7 @@ sdr_status sdr_rundir_open(const char *directory, int resume, int *lock)
   int file = -1;
   SDR_TRY(make_directory(directory));
   SDR_TRY(take_lock(directory, &file));
-  sdr_status status = SDR_OK;
-  if (!resume) {
-    /* The mark of completeness goes first. */
-    status = sdr_rundir_reopen(directory);
-    if (status == SDR_OK) status = remove_all(directory, data_names, DATA_NAMES);
-  }
+  const sdr_status status = resume ? SDR_OK : remove_old(directory);
   if (status == SDR_OK)
     *lock = file;
   else

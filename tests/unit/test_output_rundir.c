@@ -18,10 +18,10 @@ static void directories_are_made_with_their_parents(void **state)
   body_destroy(&b);
 }
 
-static const char *const ours[] = {"summary.json",      "history.csv",        "snapshots.h5",
-                                   "snapshots.xdmf",    "checkpoint.h5",      "used.yaml",
-                                   "damage.png",        "energy_density.png", "ledger.png",
-                                   "summary.json.part", "checkpoint.h5.part"};
+static const char *const ours[] = {
+    "summary.json", "history.csv",       "snapshots.h5",       "snapshots.xdmf", "checkpoint.h5",
+    "used.yaml",    "damage.png",        "energy_density.png", "ledger.png",     "stress.xx.png",
+    "compare.png",  "summary.json.part", "checkpoint.h5.part"};
 enum { OURS = sizeof ours / sizeof *ours };
 
 static void a_new_run_removes_our_files_and_no_others(void **state)
@@ -33,10 +33,12 @@ static void a_new_run_removes_our_files_and_no_others(void **state)
   for (int k = 0; k < OURS; ++k) body_write(&b, ours[k], "old");
   body_write(&b, "notes.txt", "mine");
   body_write(&b, "photo.png", "mine");
+  body_write(&b, "damage.jpg", "mine");
   assert_int_equal(sdr_rundir_open(b.directory, 0, &lock), SDR_OK);
   for (int k = 0; k < OURS; ++k) assert_false(body_has(&b, ours[k]));
   assert_true(body_has(&b, "notes.txt"));
   assert_true(body_has(&b, "photo.png"));
+  assert_true(body_has(&b, "damage.jpg"));
   sdr_rundir_close(b.directory, lock);
   body_destroy(&b);
 }
