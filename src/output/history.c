@@ -46,10 +46,9 @@ static sdr_status open_at_end(const char *directory, int flags, sdr_history_file
   history->file = open(history->path, O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
   history->length = history->file < 0 ? -1 : lseek(history->file, 0, SEEK_END);
   if (history->length < 0) {
-    const sdr_status status =
-        sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", history->path, strerror(errno));
+    sdr_fail(SDR_IO_ERROR, "cannot write %s: %s", history->path, strerror(errno));
     sdr_history_file_close(&history);
-    return status;
+    return SDR_IO_ERROR;
   }
   *out = history;
   return SDR_OK;
