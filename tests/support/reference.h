@@ -1,0 +1,178 @@
+/* The equations of theory sec. 1-4 over all pairs of points, plainly and in long double: what the
+   fast kernels are compared with. */
+#ifndef SDR_TESTS_REFERENCE_H
+#define SDR_TESTS_REFERENCE_H
+
+#include "support/body.h"
+
+typedef struct {
+  const body *body;
+  float *stretch;   /* k of the pair (i, j), count x count; committed */
+  char *lost;       /* directed bond i -> j lost for good (critical stretch) */
+  char *mark;       /* SDR_CUT, SDR_PROTECTED or 0 */
+  double *c, *q;    /* constants of each point */
+  double farthest;  /* above every horizon, m */
+  int without_dual; /* 1: leave out what the dual horizon adds */
+} reference;
+
+static inline reference reference_create(const body *b)
+{
+  const size_t n = (size_t)b->points->count;
+  reference r = {.body = b,
+                 .stretch = sdr_alloc(n * n, sizeof(float)),
+                 .lost = sdr_alloc(n * n, 1),
+                 .mark = sdr_alloc(n * n, 1),
+                 .c = sdr_alloc(n, sizeof(double)),
+                 .q = sdr_alloc(n, sizeof(double))};
+  for (int32_t i = 0; i < b->points->count; ++i) {
+    r.c[i] = body_micromodulus(b, i);
+    r.q[i] = body_threshold(b, i);
+    r.farthest = fmax(r.farthest, 1.001 * b->points->horizon[i]);
+  }
+  return r;
+}
+
+static inline void reference_destroy(reference *r)
+{
+  sdr_free(r->stretch);
+  sdr_free(r->lost);
+  sdr_free(r->mark);
+  sdr_free(r->c);
+  sdr_free(r->q);
+}
+
+/* One pair at u: xi, y = xi + eta, their lengths, and the stretch. */
+typedef struct {
+  long double y[3], length, l, s;
+  double xi[3];
+} reference_pair;
+
+static inline reference_pair reference_kinematics(const sdr_points *points, double *const u[3],
+                                                  int32_t i, int32_t j)
+{
+  reference_pair p = {0};
+  long double xx = 0.0L, yy = 0.0L, difference = 0.0L;
+  for (int a = 0; a < points->components; ++a) {
+    const long double xi = (long double)points->x[a][j] - (long double)points->x[a][i];
+    const long double eta = (long double)u[a][j] - (long double)u[a][i];
+    p.xi[a] = (double)xi;
+    p.y[a] = xi + eta;
+    xx += xi * xi;
+    yy += p.y[a] * p.y[a];
+    difference += eta * (2.0L * xi + eta);
+  }
+  p.length = sqrtl(xx);
+  p.l = sqrtl(yy);
+  p.s = difference / (p.length * (p.l + p.length)); /* (l^2 - xi^2)/(xi (l + xi)) */
+  return p;
+}
+
+/* 1 if no horizon can join i and j: all pairs are looked at, but most end here. */
+static inline int reference_far(const reference *r, int32_t i, int32_t j)
+{
+  const sdr_points *points = r->body->points;
+  for (int a = 0; a < points->components; ++a)
+    if (fabs(points->x[a][j] - points->x[a][i]) > r->farthest) return 1;
+  return i == j;
+}
+
+static inline int reference_in_family(const sdr_points *points, int32_t i, const double xi[3])
+{
+  const double square = xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2];
+  return square <= points->horizon[i] * points->horizon[i] * (1.0 + 1e-9);
+}
+
+/* Force C (...) s of the directed bond i -> j, and its energies, per volume squared. */
+typedef struct {
+  long double force, stored, dissipated;
+} reference_law;
+
+static inline reference_law reference_directed(const reference *r, int32_t i, int32_t j,
+                                               const reference_pair *p)
+{
+  const size_t slot = (size_t)i * (size_t)r->body->points->count + (size_t)j;
+  const long double c = (long double)r->c[i], s = p->s;
+  const long double q = (long double)r->q[i];
+  const long double w = 0.5L * c * p->length * s * s;
+  const char mark = r->mark[slot];
+  if (mark == SDR_CUT) return (reference_law){0.0L, 0.0L, 0.0L};
+  if (mark == SDR_PROTECTED || r->body->how.law == SDR_LAW_NONE)
+    return (reference_law){c * s, w, 0.0L};
+  if (r->body->how.law == SDR_LAW_CRITICAL_STRETCH)
+    return r->lost[slot] ? (reference_law){0.0L, 0.0L, 0.0L} : (reference_law){c * s, w, 0.0L};
+  const long double now = (long double)(float)s, before = (long double)r->stretch[slot];
+  const long double k = now > before ? now : before, d = k * k / (k * k + q);
+  const long double left = s > 0.0L ? (1.0L - d) * (1.0L - d) : 1.0L;
+  return (reference_law){c * left * s, left * w, 0.5L * c * p->length * q * d * d};
+}
+
+static inline void reference_add(const reference *r, int32_t i, int32_t j, double *const u[3],
+                                 long double *f, long double energy[2])
+{
+  const sdr_points *points = r->body->points;
+  const reference_pair p = reference_kinematics(points, u, i, j);
+  if (!reference_in_family(points, i, p.xi)) return;
+  const double b = r->body->how.weight == SDR_FAMILY_PLAIN
+                       ? 1.0
+                       : sdr_families_weight(r->body->families, i, j, p.xi);
+  const long double v =
+      (long double)b * (long double)points->volume[i] * (long double)points->volume[j];
+  const reference_law law = reference_directed(r, i, j, &p);
+  energy[0] += v * law.stored;
+  energy[1] += v * law.dissipated;
+  for (int a = 0; a < points->components && p.l > 0.0L; ++a) {
+    const long double force = v * law.force * p.y[a] / p.l;
+    f[3 * i + a] += force;
+    if (!r->without_dual) f[3 * j + a] -= force;
+  }
+}
+
+/* Force (N) and energies (J) at u, with history = max(committed, present). */
+static inline void reference_force(const reference *r, double *const u[3], double *const out[3],
+                                   sdr_energies *energies)
+{
+  const sdr_points *points = r->body->points;
+  long double energy[2] = {0.0L}, *f = calloc(3 * (size_t)points->count, sizeof *f);
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int32_t j = 0; j < points->count; ++j)
+      if (!reference_far(r, i, j)) reference_add(r, i, j, u, f, energy);
+  for (int a = 0; a < points->components; ++a)
+    for (int32_t i = 0; i < points->count; ++i) out[a][i] = (double)f[3 * i + a];
+  if (energies)
+    *energies = (sdr_energies){.stored = (double)energy[0], .dissipated = (double)energy[1]};
+  free(f);
+}
+
+static inline void reference_commit(reference *r, double *const u[3])
+{
+  const int32_t n = r->body->points->count;
+  for (int32_t i = 0; i < n; ++i)
+    for (int32_t j = 0; j < n; ++j) {
+      if (reference_far(r, i, j)) continue;
+      const size_t slot = (size_t)i * (size_t)n + (size_t)j;
+      const reference_pair p = reference_kinematics(r->body->points, u, i, j);
+      if ((float)p.s > r->stretch[slot]) r->stretch[slot] = (float)p.s;
+      if (p.s > 0.0L && p.s * p.s > (long double)r->q[i] && r->mark[slot] != SDR_PROTECTED)
+        r->lost[slot] = 1;
+    }
+}
+
+/* The same marks on the model and here. */
+static inline void reference_mark(reference *r, sdr_pair_mark mark)
+{
+  const sdr_points *points = r->body->points;
+  int64_t cut;
+  assert_int_equal(sdr_bond_based_mark(r->body->model, mark, NULL, &cut), SDR_OK);
+  assert_true(cut > 0);
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int32_t j = 0; j < points->count; ++j) {
+      double a[3] = {0.0}, b[3] = {0.0};
+      for (int c = 0; c < points->components; ++c) {
+        a[c] = points->x[c][i];
+        b[c] = points->x[c][j];
+      }
+      if (i != j) r->mark[(size_t)i * (size_t)points->count + (size_t)j] = (char)mark(NULL, a, b);
+    }
+}
+
+#endif

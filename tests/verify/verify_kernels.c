@@ -1,0 +1,253 @@
+/* All kernels compute the same thing: runs and loose pairs, every instruction set and any number of
+   threads, and what all pairs of points give by the plain equations. */
+#include "support/reference.h"
+
+static const double tolerance = 1e-13; /* of the largest force */
+
+static const body_how shapes[] = {
+    {.dimension = SDR_1D, .cells = {90}},
+    {.dimension = SDR_PLANE_STRESS, .cells = {37, 9}},
+    {.dimension = SDR_PLANE_STRAIN, .cells = {9, 40}, .angle = 0.3, .weight = SDR_FAMILY_ISO},
+    {.dimension = SDR_PLANE_STRESS,
+     .cells = {15, 16},
+     .jitter = 0.3,
+     .horizon_spread = 0.3,
+     .weight = SDR_FAMILY_PARTIAL_VOLUME},
+    {.dimension = SDR_3D, .cells = {7, 6, 8}, .ratio = 2.01},
+    {.dimension = SDR_3D, .cells = {6, 6, 7}, .ratio = 2.2, .jitter = 0.2, .horizon_spread = 0.2},
+};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
+
+/* Cut what crosses the plane x = 0.1 spacing, protect what has an end low on the first axis. */
+static int cut_and_protect(const void *context, const double a[3], const double b[3])
+{
+  (void)context;
+  const double plane = 0.1 * body_spacing;
+  if ((a[0] > plane) != (b[0] > plane)) return SDR_CUT;
+  return fmin(a[0], b[0]) < -4.2 * body_spacing ? SDR_PROTECTED : 0;
+}
+
+/* Forces and energies of a body in a state with history, against the reference. */
+static void compare_with_reference(const body_how *how, double amplitude, int marked)
+{
+  body b = body_create(how);
+  reference r = reference_create(&b);
+  double *u[3], *f[3], *expected[3];
+  vector_create(b.points, u);
+  vector_create(b.points, f);
+  vector_create(b.points, expected);
+  if (marked) reference_mark(&r, cut_and_protect);
+  vector_noise(b.points, amplitude * body_spacing, 5, u);
+  b.model->ops->commit(b.model, u);
+  reference_commit(&r, u);
+  vector_noise(b.points, amplitude * body_spacing, 6, u);
+  /* critical stretch: the reference breaks in commit only, the force also at once */
+  if (how->law == SDR_LAW_CRITICAL_STRETCH) {
+    b.model->ops->commit(b.model, u);
+    reference_commit(&r, u);
+  }
+  sdr_energies energies, right;
+  reference_force(&r, u, expected, &right);
+  b.model->ops->force(b.model, u, f);
+  b.model->ops->energies(b.model, u, &energies);
+  const double largest = vector_largest(b.points, expected);
+  assert_true(largest > 0.0);
+  assert_at_most(vector_difference(b.points, f, expected) / largest, tolerance);
+  assert_near(energies.stored, right.stored, tolerance * right.stored);
+  if (how->law == SDR_LAW_VARIATIONAL)
+    assert_near(energies.dissipated, right.dissipated, tolerance * right.dissipated);
+  vector_destroy(u);
+  vector_destroy(f);
+  vector_destroy(expected);
+  reference_destroy(&r);
+  body_destroy(&b);
+}
+
+static void every_case(double amplitude, double stretch)
+{
+  for (int k = 0; k < SHAPES; ++k)
+    for (int law = 0; law < 3; ++law)
+      for (int loose = 0; loose < 2; ++loose)
+        for (int scatter = 0; scatter < 2; ++scatter) {
+          if (loose && shapes[k].jitter > 0.0) continue;
+          body_how how = shapes[k];
+          how.law = laws[law];
+          how.force_loose = loose;
+          how.scatter = 0.3 * scatter;
+          how.stretch = stretch;
+          how.ell = 1.7;
+          for (int marked = 0; marked < 2; ++marked)
+            if (amplitude > 1e-3 || marked == (k + law + loose + scatter) % 2)
+              compare_with_reference(&how, amplitude, marked);
+        }
+}
+
+static void runs_and_loose_pairs_give_what_all_pairs_give(void **state)
+{
+  (void)state;
+  every_case(0.02, 0.01);
+}
+
+static void at_a_stretch_of_1e_3(void **state)
+{
+  (void)state;
+  every_case(1e-3, 1e-3);
+}
+
+static void at_a_stretch_of_1e_6(void **state)
+{
+  (void)state;
+  every_case(1e-6, 1e-6);
+}
+
+static void at_a_stretch_of_1e_9(void **state)
+{
+  (void)state;
+  every_case(1e-9, 1e-9);
+}
+
+static void at_large_stretches_and_rotations(void **state)
+{
+  (void)state;
+  every_case(0.4, 0.2);
+}
+
+/* ---- instruction sets and threads ------------------------------------------------------------ */
+
+/* Run a body through commits with force_commit, and give the last force and energies. */
+static void play(const body_how *how, double *f[3], sdr_energies *energies, char isa[16])
+{
+  body b = body_create(how);
+  double *u[3], *v[3];
+  vector_create(b.points, u);
+  vector_create(b.points, v);
+  vector_create(b.points, f);
+  snprintf(isa, 16, "%s", sdr_bond_based_isa(b.model));
+  for (uint64_t step = 1; step < 4; ++step) {
+    vector_noise(b.points, 0.02 * body_spacing, step, u);
+    vector_noise(b.points, 1.0, step + 10, v);
+    b.model->ops->force_commit(b.model, u, v, 1e-8, f);
+  }
+  b.model->ops->energies(b.model, u, energies);
+  vector_destroy(u);
+  vector_destroy(v);
+  body_destroy(&b);
+}
+
+static double force_scale(double *const f[3], int32_t count)
+{
+  double most = 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int32_t i = 0; f[a] && i < count; ++i) most = fmax(most, fabs(f[a][i]));
+  return most;
+}
+
+static double force_change(double *const f[3], double *const g[3], int32_t count)
+{
+  double most = 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int32_t i = 0; f[a] && i < count; ++i) most = fmax(most, fabs(f[a][i] - g[a][i]));
+  return most;
+}
+
+static int32_t count_of(const body_how *how)
+{
+  int32_t count = 1;
+  for (int a = 0; a < sdr_components(how->dimension); ++a) count *= how->cells[a];
+  return count;
+}
+
+static void compare_with_baseline(const body_how *how, const char *isa)
+{
+  double *f[3], *g[3];
+  sdr_energies first, second;
+  char name[16];
+  assert_int_equal(sdr_isa_limit("baseline"), SDR_OK);
+  play(how, f, &first, name);
+  assert_string_equal(name, "baseline");
+  assert_int_equal(sdr_isa_limit(isa), SDR_OK);
+  play(how, g, &second, name);
+  assert_string_equal(name, isa);
+  const int32_t count = count_of(how);
+  assert_at_most(force_change(f, g, count), tolerance * force_scale(f, count));
+  assert_near(second.stored, first.stored, tolerance * first.stored);
+  assert_near(second.dissipated, first.dissipated, tolerance * first.dissipated);
+  assert_int_equal(second.broken, first.broken);
+  vector_destroy(f);
+  vector_destroy(g);
+}
+
+static int has_isa(const char *isa)
+{
+  return sdr_isa_limit(isa) == SDR_OK;
+}
+
+static void every_instruction_set_gives_the_same(void **state)
+{
+  (void)state;
+  static const char *const names[] = {"avx2", "avx512"};
+  for (int n = 0; n < 2; ++n) {
+    if (!has_isa(names[n])) {
+      print_message("this processor has no %s: not compared\n", names[n]);
+      continue;
+    }
+    for (int k = 0; k < SHAPES; ++k)
+      for (int law = 0; law < 3; ++law)
+        for (int scatter = 0; scatter < 2; ++scatter) {
+          body_how how = shapes[k];
+          how.law = laws[law];
+          how.scatter = 0.3 * scatter;
+          compare_with_baseline(&how, names[n]);
+        }
+  }
+}
+
+static void any_number_of_threads_gives_the_same_bits(void **state)
+{
+  (void)state;
+  static const body_how many[] = {
+      {.dimension = SDR_PLANE_STRESS, .cells = {70, 300}},
+      {.dimension = SDR_PLANE_STRESS, .cells = {1300, 5}},
+      {.dimension = SDR_PLANE_STRESS, .cells = {61, 70}, .jitter = 0.3, .horizon_spread = 0.3},
+      {.dimension = SDR_3D, .cells = {12, 13, 40}, .ratio = 2.01},
+  };
+  const char *best = has_isa("avx512") ? "avx512" : has_isa("avx2") ? "avx2" : "baseline";
+  for (int k = 0; k < 4; ++k)
+    for (int law = 0; law < 3; ++law)
+      for (int threads = 2; threads <= 3; ++threads) {
+        body_how how = many[k];
+        how.law = laws[law];
+        how.scatter = 0.3;
+        double *f[3], *g[3];
+        sdr_energies first, second;
+        char name[16];
+        assert_int_equal(sdr_isa_limit(best), SDR_OK);
+        sdr_set_threads(1);
+        play(&how, f, &first, name);
+        sdr_set_threads(threads);
+        play(&how, g, &second, name);
+        const size_t bytes = (size_t)count_of(&how) * sizeof(double);
+        for (int a = 0; a < 3; ++a)
+          if (f[a]) assert_memory_equal(f[a], g[a], bytes);
+        assert_memory_equal(&first, &second, sizeof first);
+        vector_destroy(f);
+        vector_destroy(g);
+      }
+  sdr_set_threads(2);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(runs_and_loose_pairs_give_what_all_pairs_give),
+      cmocka_unit_test(at_a_stretch_of_1e_3),
+      cmocka_unit_test(at_a_stretch_of_1e_6),
+      cmocka_unit_test(at_a_stretch_of_1e_9),
+      cmocka_unit_test(at_large_stretches_and_rotations),
+      cmocka_unit_test(every_instruction_set_gives_the_same),
+      cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
