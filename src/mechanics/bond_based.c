@@ -56,6 +56,35 @@ void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *
   sdr_parallel_for(1, points->stripe_count, 2, task, context);
 }
 
+/* ---- rest ----------------------------------------------------------------------------------- */
+
+typedef struct {
+  sdr_bond_model *model;
+  double *const *u;
+} watch_call;
+
+static void watch_stripe(void *context, int s)
+{
+  const watch_call *call = context;
+  sdr_bond_model *model = call->model;
+  const sdr_points *points = model->head.points;
+  if (model->moved[s]) return;
+  for (int a = 0; a < points->components; ++a)
+    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+      if (call->u[a][i] != 0.0) {
+        model->moved[s] = 1;
+        return;
+      }
+}
+
+void sdr_bond_watch(sdr_bond_model *model, double *const u[3])
+{
+  const int stripes = model->head.points->stripe_count;
+  watch_call call = {model, u};
+  if (memchr(model->moved, 0, (size_t)stripes))
+    sdr_parallel_for(0, stripes, 1, watch_stripe, &call);
+}
+
 /* ---- force ----------------------------------------------------------------------------------- */
 
 typedef struct {
@@ -83,6 +112,7 @@ static void force_of_stripe(void *context, int s)
     zero_stripe(call->model->head.points, s, call->f);
     zero_stripe(call->model->head.points, s + 1, call->f);
   }
+  if (sdr_stripe_rests(call->model, s)) return;
   call->run(&call->model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->f);
 }
 
@@ -123,6 +153,7 @@ static void compute_force(sdr_bond_model *model, int commit, double *const u[3],
                      .v = v,
                      .f = f,
                      .dt = dt};
+  sdr_bond_watch(model, u);
   sdr_each_stripe(model->head.points, force_of_stripe, &call);
   if (model->bonds->loose.chunk_count > 0)
     sdr_parallel_for(0, model->head.points->stripe_count, 1, force_of_loose_stripe, &call);
@@ -202,6 +233,7 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
   if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs * sizeof(sdr_flags)};
   if (body->loose_flags)
     blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose * sizeof(sdr_flags)};
+  blocks[n++] = (sdr_state_block){"moved", bond->moved, (size_t)model->points->stripe_count};
   if (bond->booked)
     blocks[n++] = (sdr_state_block){"booked", bond->booked,
                                     (size_t)model->points->stripe_count * sizeof(double)};
@@ -222,6 +254,7 @@ static void destroy(sdr_model *model)
   sdr_free(bond->body.run_marked);
   sdr_free(bond->body.run_fresh);
   sdr_free(bond->body.chunk_fresh);
+  sdr_free(bond->moved);
   sdr_free(bond->family_volume);
   sdr_free(bond->booked);
   sdr_free(bond);
@@ -323,6 +356,8 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   model->kernels = sdr_bond_kernels_best();
   model->body = (sdr_bond_body){.points = points, .bonds = bonds, .law = how->law};
   sdr_status status = set_constants(&model->body, families, how);
+  model->moved = sdr_alloc((size_t)points->stripe_count, 1);
+  if (!model->moved) status = SDR_RUN_FAILED;
   if (status == SDR_OK) status = alloc_history(model);
   if (status != SDR_OK) {
     destroy(&model->head);
@@ -389,6 +424,19 @@ sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void 
     body->run_marked[r] = (uint8_t)run_has_mark(body, &bond->bonds->runs[r]);
   *cut_bonds = call.cut;
   return SDR_OK;
+}
+
+void sdr_bond_based_skip_rest(sdr_model *model, int skip)
+{
+  ((sdr_bond_model *)model)->keep_resting = !skip;
+}
+
+double sdr_bond_based_moved(const sdr_model *model)
+{
+  const sdr_bond_model *bond = (const sdr_bond_model *)model;
+  int moved = 0;
+  for (int s = 0; s < model->points->stripe_count; ++s) moved += bond->moved[s];
+  return (double)moved / model->points->stripe_count;
 }
 
 const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model)

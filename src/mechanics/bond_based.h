@@ -29,6 +29,13 @@ typedef int (*sdr_pair_mark)(const void *context, const double a[3], const doubl
 sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
                                int64_t *cut_bonds);
 
+/* Whether stripes in which nothing has moved yet are skipped (they are at first): the answer has
+   the same bits either way. */
+void sdr_bond_based_skip_rest(sdr_model *model, int skip);
+
+/* Share of the stripes that moved so far, in [0, 1]. */
+double sdr_bond_based_moved(const sdr_model *model);
+
 /* The bonds of the body, and what it keeps: for `check` and the summary. */
 const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model);
 const char *sdr_bond_based_isa(const sdr_model *model);

@@ -50,6 +50,7 @@ static void energies_of_stripe(void *context, int s)
   const sdr_bonds *bonds = model->bonds;
   const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
   sdr_stripe_energies *sum = &call->stripe[s];
+  if (sdr_stripe_rests(model, s)) return;
   model->kernels->run_energies[model->body.law][n - 1][each](
       &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
   if (bonds->loose.chunk_count > 0) {
@@ -67,6 +68,7 @@ void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out)
   const int stripes = model->points->stripe_count;
   memset(stripe, 0, sizeof stripe);
   energies_call call = {bond, u, stripe};
+  sdr_bond_watch(bond, u);
   sdr_parallel_for(0, stripes, 1, energies_of_stripe, &call);
   *out = (sdr_energies){0};
   for (int s = 0; s < stripes; ++s) {

@@ -12,6 +12,8 @@ typedef struct {
   const sdr_bond_kernels *kernels;
   double
       *family_volume; /* a point: sum of V_j over H_i, m^3; made when damage is first asked for */
+  uint8_t *moved;     /* a stripe: 1 once some displacement in it was not zero */
+  int keep_resting;   /* 1: compute resting stripes too (tests) */
   double *booked;     /* a stripe: energy of bonds lost so far, J (critical_stretch) */
 } sdr_bond_model;
 
@@ -37,6 +39,16 @@ sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair
 
 /* Loose chunks of a stripe: [*first, *end). */
 void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end);
+
+/* 1 if no bond that stripe s owns can be stretched: it and the next never moved. */
+static inline int sdr_stripe_rests(const sdr_bond_model *model, int s)
+{
+  const int last = s + 1 >= model->head.points->stripe_count;
+  return !model->keep_resting && !model->moved[s] && (last || !model->moved[s + 1]);
+}
+
+/* Note in which stripes the first displacement has come. */
+void sdr_bond_watch(sdr_bond_model *model, double *const u[3]);
 
 /* Call task for even stripes, then for odd ones, in parallel: pairs write to at most the next. */
 void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context);
