@@ -74,6 +74,7 @@ static void a_directory_in_use_is_refused_with_the_process_and_left_alone(void *
   const pid_t child = fork();
   assert_true(child >= 0);
   if (child == 0) {
+    close(done[1]); /* so that it ends with its parent at the latest */
     const int good = sdr_rundir_open(b.directory, 0, &lock) == SDR_OK;
     body_write(&b, "history.csv", "running");
     if (write(ready[1], "x", 1) != 1 || read(done[0], &byte, 1) != 1) _exit(1);
