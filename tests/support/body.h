@@ -159,6 +159,15 @@ static inline double body_threshold(const body *b, int32_t i)
   return b->how.law == SDR_LAW_VARIATIONAL && b->how.ell > 0.0 ? q / b->how.ell : q;
 }
 
+/* Cut what crosses the plane x = 0.1 spacing, protect what has an end low on the first axis. */
+static inline int body_cut_and_protect(const void *context, const double a[3], const double b[3])
+{
+  (void)context;
+  const double plane = 0.1 * body_spacing;
+  if ((a[0] > plane) != (b[0] > plane)) return SDR_CUT;
+  return fmin(a[0], b[0]) < -4.2 * body_spacing ? SDR_PROTECTED : 0;
+}
+
 /* ---- vectors over points --------------------------------------------------------------------- */
 
 static inline void vector_create(const sdr_points *points, double *v[3])
@@ -180,14 +189,14 @@ static inline void vector_noise(const sdr_points *points, double amplitude, uint
     for (int32_t i = 0; i < points->count; ++i) v[a][i] = amplitude * noise(&seed);
 }
 
-/* v = gradient X (row a: the gradient of component a). */
-static inline void vector_linear(const sdr_points *points, const double gradient[3][3],
+/* v = gradient X; gradient is 3 x 3, row a that of component a. */
+static inline void vector_linear(const sdr_points *points, const double gradient[9],
                                  double *const v[3])
 {
   for (int32_t i = 0; i < points->count; ++i)
     for (int a = 0; a < points->components; ++a) {
       v[a][i] = 0.0;
-      for (int b = 0; b < points->components; ++b) v[a][i] += gradient[a][b] * points->x[b][i];
+      for (int b = 0; b < points->components; ++b) v[a][i] += gradient[3 * a + b] * points->x[b][i];
     }
 }
 

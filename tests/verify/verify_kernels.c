@@ -20,15 +20,6 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
 
-/* Cut what crosses the plane x = 0.1 spacing, protect what has an end low on the first axis. */
-static int cut_and_protect(const void *context, const double a[3], const double b[3])
-{
-  (void)context;
-  const double plane = 0.1 * body_spacing;
-  if ((a[0] > plane) != (b[0] > plane)) return SDR_CUT;
-  return fmin(a[0], b[0]) < -4.2 * body_spacing ? SDR_PROTECTED : 0;
-}
-
 /* Forces and energies of a body in a state with history, against the reference. */
 static void compare_with_reference(const body_how *how, double amplitude, int marked)
 {
@@ -38,7 +29,7 @@ static void compare_with_reference(const body_how *how, double amplitude, int ma
   vector_create(b.points, u);
   vector_create(b.points, f);
   vector_create(b.points, expected);
-  if (marked) reference_mark(&r, cut_and_protect);
+  if (marked) reference_mark(&r, body_cut_and_protect);
   vector_noise(b.points, amplitude * body_spacing, 5, u);
   b.model->ops->commit(b.model, u);
   reference_commit(&r, u);
