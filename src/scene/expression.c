@@ -260,6 +260,20 @@ int sdr_expression_uses(const sdr_expression *expression)
   return expression->uses;
 }
 
+/* Only what the formula uses is named. The sign of a NaN is the compiler's whim. */
+static sdr_status fail_not_finite(const sdr_expression *expression, double result,
+                                  const double x[3], double t)
+{
+  char place[100] = "", time[40] = "";
+  const int both = expression->uses == (SDR_USES_SPACE | SDR_USES_TIME);
+  if (expression->uses & SDR_USES_SPACE)
+    snprintf(place, sizeof place, "(x, y, z) = (%g, %g, %g) m%s", x[0], x[1], x[2],
+             both ? ", " : "");
+  if (expression->uses & SDR_USES_TIME) snprintf(time, sizeof time, "t = %g s", t);
+  return sdr_fail(SDR_BAD_INPUT, "the formula '%s' gives %g at %s%s; it must be finite",
+                  expression->text, isnan(result) ? fabs(result) : result, place, time);
+}
+
 sdr_status sdr_expression_value(sdr_expression *expression, const double x[3], double t,
                                 double *value)
 {
@@ -269,11 +283,7 @@ sdr_status sdr_expression_value(sdr_expression *expression, const double x[3], d
   }
   fill_variables(expression, x, t);
   const double result = mupEval(expression->parser);
-  if (!isfinite(result)) {
-    return sdr_fail(SDR_BAD_INPUT,
-                    "the formula '%s' gives %g at x = (%g, %g, %g) m, t = %g s; it must be finite",
-                    expression->text, result, x[0], x[1], x[2], t);
-  }
+  if (!isfinite(result)) return fail_not_finite(expression, result, x, t);
   *value = result;
   return SDR_OK;
 }
