@@ -128,7 +128,7 @@ static void every_key_of_a_plate_arrives(void **state)
   assert_int_equal(s->points.refine[0].where.shape->kind, SDR_INTERSECTION);
   assert_string_equal(s->points.refine[0].where.text, "tip");
   const sdr_shape *box = &s->points.refine[0].where.shape->parts[0];
-  assert_near(box->low[0], 0.045);
+  assert_near(box->low[0], 0.005);
   assert_near(box->high[1], 0.025);
   assert_near(box->angle, acos(-1) / 4);
   assert_int_equal(s->points.refine[0].where.shape->parts[1].vertex_count, 4);
