@@ -63,10 +63,26 @@ static int mark_of_pair(const void *context, const double a[3], const double b[3
   return protects(scene, a) || protects(scene, b) ? SDR_PROTECTED : 0;
 }
 
+/* SDR_BAD_INPUT if no point lies in a place. */
+static sdr_status check_place(const sdr_built *built, const sdr_place *place, const char *what)
+{
+  const sdr_points *points = built->points;
+  for (int32_t i = 0; i < points->count; ++i) {
+    double x[3] = {0.0};
+    for (int a = 0; a < points->components; ++a) x[a] = points->x[a][i];
+    if (sdr_place_holds(built->scene, place, x, points->spacing[i], points->spacing[i]))
+      return SDR_OK;
+  }
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s '%s' meets no point; choose a place in the body",
+                  sdr_origin_text(place->origin), what, place->text);
+}
+
 static sdr_status mark_bonds(sdr_built *built)
 {
   const sdr_scene *scene = built->scene;
   const int protect = scene->damage.law != SDR_LAW_NONE && scene->damage.protect_count > 0;
+  for (int k = 0; k < scene->damage.protect_count; ++k)
+    SDR_TRY(check_place(built, &scene->damage.protect[k], "the protected zone"));
   if (scene->crack_count == 0 && !protect) return SDR_OK;
   SDR_TRY(sdr_bond_based_mark(built->model, mark_of_pair, scene, &built->cut_bonds));
   if (scene->crack_count > 0 && built->cut_bonds == 0)
@@ -77,19 +93,38 @@ static sdr_status mark_bonds(sdr_built *built)
 
 /* ---- parts ----------------------------------------------------------------------------------- */
 
-static sdr_status make_model(sdr_built *built)
+static sdr_status make_points(sdr_built *built)
+{
+  const sdr_points_scene *wanted = &built->scene->points;
+  SDR_TRY(sdr_lattice_points(built->scene, &built->points));
+  for (int k = 0; k < wanted->refine_count; ++k)
+    SDR_TRY(check_place(built, &wanted->refine[k].where, "the refined place"));
+  return sdr_points_arrange(built->points);
+}
+
+/* Families and bonds fail for bad horizons only, and do not know the scene. */
+static sdr_status make_bonds(sdr_built *built, sdr_bonds **bonds)
 {
   static const sdr_family_weight weights[] = {[SDR_WEIGHT_CONSTANT] = SDR_FAMILY_PLAIN,
                                               [SDR_WEIGHT_PARTIAL_VOLUME] =
                                                   SDR_FAMILY_PARTIAL_VOLUME,
                                               [SDR_WEIGHT_ISO] = SDR_FAMILY_ISO};
   const sdr_scene *scene = built->scene;
-  SDR_TRY(sdr_families_create(built->points, weights[scene->weight], &built->families));
+  sdr_status status = sdr_families_create(built->points, weights[scene->weight], &built->families);
   const sdr_bonds_how how = {.weight =
                                  scene->weight == SDR_WEIGHT_CONSTANT ? NULL : sdr_families_weight,
                              .context = built->families};
+  if (status == SDR_OK) status = sdr_bonds_create(built->points, &how, bonds);
+  if (status != SDR_BAD_INPUT) return status;
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s", sdr_origin_text(scene->horizon_origin),
+                  sdr_error_message());
+}
+
+static sdr_status make_model(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
   sdr_bonds *bonds = NULL;
-  SDR_TRY(sdr_bonds_create(built->points, &how, &bonds));
+  SDR_TRY(make_bonds(built, &bonds));
   built->bonds = bonds;
   double toughness[256] = {0.0};
   for (int m = 0; m < scene->material_count; ++m) toughness[m] = scene->material[m].toughness;
@@ -99,6 +134,7 @@ static sdr_status make_model(sdr_built *built)
                                         .law = scene->damage.law,
                                         .calibration = scene->calibration,
                                         .ell = scene->damage.ell,
+                                        .mixed = scene->mixed,
                                         .young = young,
                                         .toughness = toughness};
   if (status == SDR_OK)
@@ -120,6 +156,19 @@ static sdr_status make_system(sdr_built *built)
   return sdr_system_create(built->model, density, built->loads, built->supports, &built->system);
 }
 
+/* Set the point's value of `field` where the scene gives one. */
+static sdr_status set_initial_point(const sdr_initial *initial, const double x[3], int components,
+                                    double *const *field, int32_t i)
+{
+  for (int a = 0; a < components; ++a)
+    if (initial->value[a] &&
+        sdr_expression_value(initial->value[a], x, 0.0, &field[a][i]) != SDR_OK)
+      return sdr_fail(
+          SDR_BAD_INPUT, "%s: initial %s, %c component: %s", sdr_origin_text(initial->origin),
+          initial->velocity ? "velocity" : "displacement", "xyz"[a], sdr_error_message());
+  return SDR_OK;
+}
+
 static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
 {
   sdr_system *system = built->system;
@@ -131,11 +180,11 @@ static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
     const double spacing = built->points->spacing[i];
     if (!sdr_place_holds(built->scene, &initial->on, x, spacing, spacing)) continue;
     ++met;
-    for (int a = 0; a < system->components; ++a)
-      if (initial->value[a]) SDR_TRY(sdr_expression_value(initial->value[a], x, 0.0, &field[a][i]));
+    SDR_TRY(set_initial_point(initial, x, system->components, field, i));
   }
   if (met == 0)
-    return sdr_fail(SDR_BAD_INPUT, "%s: the initial %s on '%s' meets no point",
+    return sdr_fail(SDR_BAD_INPUT,
+                    "%s: the initial %s on '%s' meets no point; choose a place in the body",
                     sdr_origin_text(initial->origin),
                     initial->velocity ? "velocity" : "displacement", initial->on.text);
   return SDR_OK;
@@ -146,7 +195,13 @@ static sdr_status choose_step(sdr_built *built)
   const sdr_time_scene *time = &built->scene->time;
   SDR_TRY(sdr_stable_step(built->system, &built->stable_step));
   built->step = isnan(time->step) ? time->safety * built->stable_step : time->step;
-  built->steps = (int64_t)ceil(time->end / built->step * (1.0 - 1e-12));
+  const double steps = ceil(time->end / built->step * (1.0 - 1e-12));
+  if (!(steps < 1e15))
+    return sdr_fail(SDR_BAD_INPUT,
+                    "%s: %g s in steps of %g s are %.1e steps; at most 1e15 are possible, so take "
+                    "a longer step or an earlier end",
+                    sdr_origin_text(time->step_origin), time->end, built->step, steps);
+  built->steps = (int64_t)steps;
   if (built->step <= built->stable_step) return SDR_OK;
   if (!time->allow_unstable)
     return sdr_fail(SDR_BAD_INPUT,
@@ -189,13 +244,13 @@ static void list_skipped(sdr_built *built)
 static void choose_onset(sdr_built *built)
 {
   const double given = built->scene->damage.onset;
-  built->onset = isnan(given) ? 0.9 * built->families->family[0].cut_share : given;
+  built->plane_cut = 0.9 * built->families->family[0].cut_share;
+  built->onset = isnan(given) ? built->plane_cut : given;
 }
 
 static sdr_status build_parts(sdr_built *built)
 {
-  SDR_TRY(sdr_lattice_points(built->scene, &built->points));
-  SDR_TRY(sdr_points_arrange(built->points));
+  SDR_TRY(make_points(built));
   SDR_TRY(make_model(built));
   SDR_TRY(make_system(built));
   for (int k = 0; k < built->scene->initial_count; ++k)
