@@ -67,8 +67,11 @@ sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH])
       if (length < SDR_SCENE_PATH && is_file(path)) return SDR_OK;
     }
   struct stat info;
+  int length = snprintf(path, SDR_SCENE_PATH, "%s/scene.yaml", name);
+  if (*name && length < SDR_SCENE_PATH && is_file(path)) return SDR_OK;
   if (stat(name, &info) == 0) { /* a folder or an unreadable file is the reader's to refuse */
-    if (snprintf(path, SDR_SCENE_PATH, "%s", name) < SDR_SCENE_PATH) return SDR_OK;
+    length = snprintf(path, SDR_SCENE_PATH, "%s", name);
+    if (length < SDR_SCENE_PATH) return SDR_OK;
     return sdr_fail(SDR_BAD_INPUT, "the path of the scene is longer than %d characters",
                     (int)SDR_SCENE_PATH - 1);
   }

@@ -8,12 +8,12 @@
 
 enum { SDR_SCENE_PATH = 1024 };
 
-/* Path of the scene that `name` means: a file, or problems/NAME/scene.yaml, looked for in the
-   current folder, in $SUNDER_PROBLEMS and in the source tree of this build. SDR_IO_ERROR if there
-   is none; the message lists the problems. */
+/* Path of the scene that `name` means: a file, the scene.yaml in a folder, or
+   problems/NAME/scene.yaml, looked for in the current folder, in $SUNDER_PROBLEMS and in the source
+   tree of this build. SDR_IO_ERROR if there is none; the message lists the problems. */
 sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH]);
 
-/* One line a problem: name, title, variants. */
+/* One line a problem: name, title. */
 sdr_status sdr_list_problems(FILE *out);
 
 #endif

@@ -36,6 +36,7 @@ static const char usage[] =
     "  sunder --help | --version\n"
     "\n"
     "SCENE is a YAML file or the name of a folder in problems/. docs/scene.md lists every key.\n"
+    "KEY=VALUE overrides a key of the scene, as in --set points.spacing=\"1 mm\".\n"
     "Exit status: 0 done, 1 bad input, 2 the run failed, 3 a file could not be read or written.\n";
 
 /* What the command line said. */
@@ -76,24 +77,30 @@ static int knows(const command_entry *command, const char *option)
 {
   char padded[64];
   snprintf(padded, sizeof padded, " %s ", option);
+  if (strchr(option, ' ')) return 0;
   return strstr(command->options, padded) != NULL;
 }
 
 static sdr_status read_option(const command_entry *command, int count, char **words, int *k,
                               command_line *line)
 {
-  const char *option = words[*k];
+  const char *word = words[*k], *given = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
+  char option[48];
+  snprintf(option, sizeof option, "%.*s", given ? (int)(given - word) : (int)sizeof option, word);
   if (!knows(command, option))
     return sdr_fail(SDR_BAD_INPUT, "sunder %s has no option '%s'; it takes:%s(see sunder --help)",
                     command->name, option, command->options);
-  if (strcmp(option, "--quiet") == 0) {
+  if (strcmp(word, "--quiet") == 0) {
     line->quiet = 1;
     return SDR_OK;
   }
   const char **value = value_of(line, option);
-  if (!value) return sdr_fail(SDR_BAD_INPUT, "more than %d --set options", (int)MOST_SETS);
-  if (*k + 1 >= count) return sdr_fail(SDR_BAD_INPUT, "option '%s' needs a value", option);
-  *value = words[++*k];
+  if (!value && strcmp(option, "--set") == 0)
+    return sdr_fail(SDR_BAD_INPUT, "more than %d --set options", (int)MOST_SETS);
+  if (!value) return sdr_fail(SDR_BAD_INPUT, "option '%s' takes no value", option);
+  const char *text = given ? given + 1 : *k + 1 < count ? words[++*k] : "";
+  if (!*text) return sdr_fail(SDR_BAD_INPUT, "option '%s' needs a value", option);
+  *value = text;
   if (strcmp(option, "--set") == 0) ++line->set_count;
   return SDR_OK;
 }
