@@ -1,10 +1,12 @@
 #include "app/check.h"
 
 #include "app/build.h"
+#include "app/run.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "damage/calibration.h"
 #include "mechanics/bond_based.h"
+#include "output/ledger.h"
 
 #include <math.h>
 
@@ -142,24 +144,41 @@ static void print_lists(const sdr_built *built, FILE *out)
   for (int k = 0; k < scene->default_count; ++k) fprintf(out, "  %s\n", scene->defaults[k]);
 }
 
+/* What a run would refuse besides. */
+static sdr_status check_output(const sdr_built *built)
+{
+  sdr_observer *ledger = NULL;
+  SDR_TRY(sdr_run_check_figures(built->scene));
+  SDR_TRY(sdr_ledger_create(built->scene, built->points, &ledger));
+  ledger->ops->destroy(ledger);
+  return SDR_OK;
+}
+
+static sdr_status print_all(const sdr_built *built, FILE *out)
+{
+  const sdr_scene *scene = built->scene;
+  fprintf(out, "%s\n", scene->title);
+  fprintf(out, "model               bond_based, %s, damage %s, integrator %s\n",
+          dimension_names[scene->dimension], law_names[scene->damage.law], built->integrator->name);
+  fprintf(out, "kernels             %s, %d threads\n", sdr_bond_based_isa(built->model),
+          sdr_threads());
+  print_points(built, out);
+  print_step(built, out);
+  print_memory(built, out);
+  SDR_TRY(print_materials(built, out));
+  if (scene->damage.law != SDR_LAW_NONE)
+    fprintf(out, "onset               at a point's damage of %.4g\n", built->onset);
+  print_lists(built, out);
+  return SDR_OK;
+}
+
 sdr_status sdr_check(const char *path, const char *variant, int set_count, const char *const *sets,
                      FILE *out)
 {
   sdr_built built;
   SDR_TRY(sdr_build(path, variant, set_count, sets, &built));
-  const sdr_scene *scene = built.scene;
-  fprintf(out, "%s\n", scene->title);
-  fprintf(out, "model               bond_based, %s, damage %s, integrator %s\n",
-          dimension_names[scene->dimension], law_names[scene->damage.law], built.integrator->name);
-  fprintf(out, "kernels             %s, %d threads\n", sdr_bond_based_isa(built.model),
-          sdr_threads());
-  print_points(&built, out);
-  print_step(&built, out);
-  print_memory(&built, out);
-  const sdr_status status = print_materials(&built, out);
-  if (scene->damage.law != SDR_LAW_NONE)
-    fprintf(out, "onset               at a point's damage of %.4g\n", built.onset);
-  print_lists(&built, out);
+  sdr_status status = check_output(&built);
+  if (status == SDR_OK) status = print_all(&built, out);
   sdr_built_destroy(&built);
   return status;
 }

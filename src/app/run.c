@@ -21,7 +21,7 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 4, MEASURED = 9 };
+enum { OBSERVERS = 4, MEASURED = 10 };
 
 typedef struct {
   sdr_built built;
@@ -44,16 +44,16 @@ static double wall(void)
 
 /* ---- set-up ---------------------------------------------------------------------------------- */
 
-static void name_directory(run *r, const sdr_run_options *options)
+static sdr_status name_directory(run *r, const sdr_run_options *options)
 {
   const sdr_scene *scene = r->built.scene;
-  if (options->directory)
-    snprintf(r->directory, sizeof r->directory, "%s", options->directory);
-  else if (scene->output.directory[0])
-    snprintf(r->directory, sizeof r->directory, "%s", scene->output.directory);
-  else
-    snprintf(r->directory, sizeof r->directory, "out/%s%s%s", scene->name,
-             scene->variant[0] ? "-" : "", scene->variant);
+  const char *given = options->directory ? options->directory : scene->output.directory;
+  const int length = *given ? snprintf(r->directory, sizeof r->directory, "%s", given)
+                            : snprintf(r->directory, sizeof r->directory, "out/%s%s%s", scene->name,
+                                       scene->variant[0] ? "-" : "", scene->variant);
+  if (length < (int)sizeof r->directory) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT, "the name of the run's directory is longer than %d characters",
+                  (int)sizeof r->directory - 1);
 }
 
 static void add_observer(run *r, sdr_observer *observer)
@@ -148,18 +148,26 @@ static sdr_status integrate(run *r, int resumed)
 
 /* ---- what came out --------------------------------------------------------------------------- */
 
+/* Of a ring, where the scene asks. */
+typedef struct {
+  int known;
+  int32_t cracks, sectors;
+} ring_counts;
+
 /* Names of all that scenes may list as figures; values are filled in at the end. */
 static const char *const measured_names[MEASURED] = {
-    "onset_time",    "imbalance",  "imbalance_largest", "through_cracks", "fragments",
-    "largest_share", "dissipated", "damage_max",        "damage_mean"};
+    "onset_time", "imbalance",     "imbalance_largest", "through_cracks", "sectors",
+    "fragments",  "largest_share", "dissipated",        "damage_max",     "damage_mean"};
 
-static void list_measured(sdr_measured measured[MEASURED], const sdr_summary *s, int32_t cracks)
+static void list_measured(sdr_measured measured[MEASURED], const sdr_summary *s,
+                          const ring_counts *ring)
 {
   const double values[MEASURED] = {
       s->onset_time,
       s->books.imbalance_relative,
       s->books.imbalance_largest,
-      cracks >= 0 ? (double)cracks : (double)NAN,
+      ring->known ? (double)ring->cracks : (double)NAN,
+      ring->known ? (double)ring->sectors : (double)NAN,
       s->fragments_known ? (double)s->fragments.count : (double)NAN,
       s->fragments_known ? (double)s->fragments.largest / (double)s->points : (double)NAN,
       s->books.dissipated,
@@ -168,7 +176,7 @@ static void list_measured(sdr_measured measured[MEASURED], const sdr_summary *s,
   for (int k = 0; k < MEASURED; ++k) measured[k] = (sdr_measured){measured_names[k], values[k]};
 }
 
-static sdr_status check_figures(const sdr_scene *scene)
+sdr_status sdr_run_check_figures(const sdr_scene *scene)
 {
   sdr_measured names[MEASURED];
   for (int k = 0; k < MEASURED; ++k) names[k] = (sdr_measured){measured_names[k], (double)NAN};
@@ -189,22 +197,50 @@ static sdr_status damage_of_points(const run *r, sdr_summary *summary)
   return status;
 }
 
-static sdr_status find_pieces(const run *r, sdr_summary *summary, int32_t *cracks)
+static sdr_status find_pieces(const run *r, sdr_summary *summary, ring_counts *ring)
 {
   const sdr_output_scene *output = &r->built.scene->output;
-  *cracks = -1;
+  sdr_system *system = r->built.system;
   if (output->fragments) {
     SDR_TRY(
         sdr_fragments_find(r->built.system, output->fragment_threshold, NULL, &summary->fragments));
     summary->fragments_known = 1;
   }
-  if (output->ring)
-    SDR_TRY(sdr_through_cracks(r->built.system, output->fragment_threshold, output->ring_centre,
-                               cracks));
+  ring->known = output->ring;
+  if (!output->ring) return SDR_OK;
+  SDR_TRY(sdr_through_cracks(system, r->built.plane_cut, output->ring_centre, &ring->cracks));
+  SDR_TRY(
+      sdr_ring_sectors(system, output->fragment_threshold, output->ring_centre, &ring->sectors));
   return SDR_OK;
 }
 
-static void print_results(const run *r, const sdr_summary *s, int32_t cracks, FILE *out)
+static void print_figure(const sdr_figure *figure, double value, FILE *out)
+{
+  const int low = !isnan(figure->low), high = !isnan(figure->high);
+  const int outside = isnan(value) || value < figure->low || value > figure->high;
+  if (isnan(value))
+    fprintf(out, "  %-17s none", figure->name);
+  else
+    fprintf(out, "  %-17s %.4g", figure->name, value);
+  if (low && high)
+    fprintf(out, ", accepted %.4g to %.4g", figure->low, figure->high);
+  else if (low || high)
+    fprintf(out, ", accepted %s %.4g", low ? "from" : "up to", low ? figure->low : figure->high);
+  if ((low || high) && outside) fprintf(out, ": OUTSIDE");
+  if (!isnan(figure->paper)) fprintf(out, ", the paper's %.4g", figure->paper);
+  fputc('\n', out);
+}
+
+static void print_figures(const sdr_summary *s, FILE *out)
+{
+  if (s->scene->figure_count > 0) fprintf(out, "figures (SI)\n");
+  for (int f = 0; f < s->scene->figure_count; ++f)
+    for (int k = 0; k < s->measured_count; ++k)
+      if (strcmp(s->scene->figure[f].name, s->measured[k].name) == 0)
+        print_figure(&s->scene->figure[f], s->measured[k].value, out);
+}
+
+static void print_results(const run *r, const sdr_summary *s, const ring_counts *ring, FILE *out)
 {
   fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %.6g us\n", s->scene->title,
           (long long)s->points, (long long)s->bonds, (long long)s->steps, s->time_end * 1e6);
@@ -213,7 +249,9 @@ static void print_results(const run *r, const sdr_summary *s, int32_t cracks, FI
   if (s->fragments_known)
     fprintf(out, "fragments           %d, the largest with %.3g %% of the points\n",
             (int)s->fragments.count, 100.0 * (double)s->fragments.largest / (double)s->points);
-  if (cracks >= 0) fprintf(out, "through-cracks      %d\n", (int)cracks);
+  if (ring->known)
+    fprintf(out, "through-cracks      %d; they part the ring into %d sectors\n", (int)ring->cracks,
+            (int)ring->sectors);
   fprintf(out,
           "energy              kinetic %.5g J, stored %.5g J, dissipated %.5g J, work %.5g J\n",
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
@@ -223,6 +261,7 @@ static void print_results(const run *r, const sdr_summary *s, int32_t cracks, FI
           s->wall_total,
           s->wall_integrate * 1e9 / ((double)s->bonds * (double)(s->steps_run ? s->steps_run : 1)),
           s->instruction_set, s->threads);
+  print_figures(s, out);
   fprintf(out, "results             %s\n", r->directory);
 }
 
@@ -230,7 +269,7 @@ static sdr_status summarise(run *r, FILE *out)
 {
   const sdr_built *built = &r->built;
   const double from = wall();
-  int32_t cracks;
+  ring_counts ring = {0};
   sdr_measured measured[MEASURED];
   sdr_summary summary = {.scene = built->scene,
                          .commit = SUNDER_COMMIT,
@@ -253,14 +292,14 @@ static sdr_status summarise(run *r, FILE *out)
                          .measured = measured,
                          .measured_count = MEASURED};
   SDR_TRY(damage_of_points(r, &summary));
-  SDR_TRY(find_pieces(r, &summary, &cracks));
-  list_measured(measured, &summary, cracks);
+  SDR_TRY(find_pieces(r, &summary, &ring));
+  list_measured(measured, &summary, &ring);
   summary.wall_setup = r->setup;
   summary.wall_output = r->output + (wall() - from);
   summary.wall_total = wall() - r->started;
   summary.wall_integrate = summary.wall_total - summary.wall_setup - summary.wall_output;
   SDR_TRY(sdr_summary_write(r->directory, &summary));
-  print_results(r, &summary, cracks, out);
+  print_results(r, &summary, &ring, out);
   return SDR_OK;
 }
 
@@ -269,15 +308,15 @@ static sdr_status set_up(run *r, const sdr_run_options *options)
   SDR_TRY(
       sdr_build(options->scene, options->variant, options->set_count, options->sets, &r->built));
   if (options->threads > 0) sdr_set_threads(options->threads);
-  SDR_TRY(check_figures(r->built.scene));
-  name_directory(r, options);
+  SDR_TRY(sdr_run_check_figures(r->built.scene));
+  SDR_TRY(name_directory(r, options));
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
-  SDR_TRY(sdr_rundir_write(r->directory, "used.yaml", r->built.scene->used_yaml));
   if (r->built.warning[0] && !options->quiet)
     fprintf(stderr, "sunder: warning: %s\n", r->built.warning);
   set_moment(r);
   SDR_TRY(make_observers(r, options));
   SDR_TRY(begin(r, options));
+  /* Not before a checkpoint is known to fit: what lies there may be another scene's. */
   r->setup = wall() - r->started;
   return SDR_OK;
 }

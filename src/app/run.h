@@ -2,7 +2,7 @@
 #ifndef SDR_APP_RUN_H
 #define SDR_APP_RUN_H
 
-#include "base/status.h"
+#include "scene/scene.h"
 
 #include <stdio.h>
 
@@ -19,5 +19,8 @@ typedef struct {
 
 /* Run to the end; a few lines of results go to `out`, progress to stderr. */
 sdr_status sdr_run(const sdr_run_options *options, FILE *out);
+
+/* SDR_BAD_INPUT if the scene lists a figure that no run measures. */
+sdr_status sdr_run_check_figures(const sdr_scene *scene);
 
 #endif
