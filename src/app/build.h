@@ -21,6 +21,7 @@ typedef struct {
   const sdr_integrator *integrator;
   const sdr_bonds *bonds;               /* the model's */
   int64_t cut_bonds;                    /* directed, by pre-cracks */
+  double plane_cut;                     /* 0.9 of the damage beside a plane crack: tells cracks */
   double onset;                         /* damage of a point that counts as onset */
   double stable_step;                   /* s */
   double step;                          /* s */

@@ -14,6 +14,7 @@ typedef struct {
   sdr_length ell;          /* variational: relative to the point's horizon, or m */
   const double *young;     /* Pa, a point */
   const double *toughness; /* J/m^2, a material index */
+  int mixed;               /* 1: explicit forces of runs in float arithmetic */
 } sdr_bond_based_how;
 
 /* A body over the points; it takes the bonds over (and destroys them, even if it fails). The
@@ -39,6 +40,7 @@ double sdr_bond_based_moved(const sdr_model *model);
 /* The bonds of the body, and what it keeps: for `check` and the summary. */
 const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model);
 const char *sdr_bond_based_isa(const sdr_model *model);
+int sdr_bond_based_mixed(const sdr_model *model); /* 0 where no bond is in a run */
 int sdr_bond_based_shared_moduli(const sdr_model *model);
 size_t sdr_bond_based_history_bytes(const sdr_model *model);
 

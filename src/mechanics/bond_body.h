@@ -19,6 +19,12 @@ typedef struct {
   sdr_flags *flags, *loose_flags;      /* SDR_LOST_I ... */
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
+  /* precision mixed: displacements over length_unit as sums of two floats, C over `stiffness` and
+     q of each point (NULL: shared), and the unit of forces in float (N) */
+  int mixed;
+  float *high[3], *low[3];
+  float *relative_stiffness, *float_threshold;
+  double length_unit, force_unit;
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
 } sdr_bond_body;
 
@@ -46,6 +52,7 @@ typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
   /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
   sdr_run_force run_force[3][3][2][2];
+  sdr_run_force mixed_run_force[3][3][2]; /* these commit */
   sdr_loose_force loose_force[3][3][2][2];
   sdr_run_energies run_energies[3][3][2];
   sdr_run_damage run_damage[3][3][2];

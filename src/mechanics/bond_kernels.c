@@ -14,12 +14,18 @@
   static void force_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
                                               int64_t end, double *const u[3], double *const f[3]) \
   {                                                                                                \
-    force_of_runs(n, code, each, commit, body, first, end, u, f);                                  \
+    force_of_runs_double(n, code, each, commit, body, first, end, u, f);                           \
   }                                                                                                \
   static void loose_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
                                               int64_t end, double *const u[3], double *const f[3]) \
   {                                                                                                \
     force_of_loose(n, code, each, commit, body, first, end, u, f);                                 \
+  }
+#define SDR_MIXED(law, code, n, each)                                                              \
+  static void mixed_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,       \
+                                      double *const u[3], double *const f[3])                      \
+  {                                                                                                \
+    force_of_runs_float(n, code, each, 1, body, first, end, u, f);                                 \
   }
 #define SDR_ENERGIES(law, code, n, each)                                                           \
   static void energies_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \
@@ -44,6 +50,8 @@
   SDR_FORCE(law, code, n, 0, 1)                                                                    \
   SDR_FORCE(law, code, n, 1, 0)                                                                    \
   SDR_FORCE(law, code, n, 1, 1)                                                                    \
+  SDR_MIXED(law, code, n, 0)                                                                       \
+  SDR_MIXED(law, code, n, 1)                                                                       \
   SDR_ENERGIES(law, code, n, 0)                                                                    \
   SDR_ENERGIES(law, code, n, 1)                                                                    \
   SDR_DAMAGE(law, code, n, 0)                                                                      \
@@ -77,6 +85,10 @@ SDR_REFERENCE(3, 1)
             {energies_##law##_20, energies_##law##_21},                                            \
             {energies_##law##_30, energies_##law##_31}},
 
+#define SDR_MIXED_ROW(law, code)                                                                   \
+  [code] = {{mixed_##law##_10, mixed_##law##_11},                                                  \
+            {mixed_##law##_20, mixed_##law##_21},                                                  \
+            {mixed_##law##_30, mixed_##law##_31}},
 #define SDR_DAMAGE_ROW(law, code)                                                                  \
   [code] = {{damage_##law##_10, damage_##law##_11},                                                \
             {damage_##law##_20, damage_##law##_21},                                                \
@@ -87,6 +99,7 @@ const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
     .run_force = {SDR_LAWS(SDR_FORCE_ROW)},
     .loose_force = {SDR_LAWS(SDR_LOOSE_ROW)},
     .run_energies = {SDR_LAWS(SDR_ENERGIES_ROW)},
+    .mixed_run_force = {SDR_LAWS(SDR_MIXED_ROW)},
     .run_damage = {SDR_LAWS(SDR_DAMAGE_ROW)},
     .run_reference = {
         {reference_10, reference_11}, {reference_20, reference_21}, {reference_30, reference_31}}};

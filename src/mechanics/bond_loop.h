@@ -17,11 +17,29 @@ enum { SDR_BLOCK = 256 };
 typedef struct {
   const double *ui[3], *uj[3];
   double *fi[3], *fj[3];
-  const double *ci, *cj, *qi, *qj;
+  const float *high_i[3], *high_j[3], *low_i[3], *low_j[3]; /* mixed */
+  const double *ci_double, *cj_double, *qi_double, *qj_double;
+  const float *ci_float, *cj_float, *qi_float, *qj_float; /* mixed */
   float *stretch;
   sdr_flags *flags;
   int count;
 } sdr_block;
+
+SDR_INLINE void mixed_block_at(const int components, const sdr_bond_body *body, int64_t i,
+                               int64_t j, sdr_block *block)
+{
+  for (int a = 0; a < components; ++a) {
+    block->high_i[a] = body->high[a] + i;
+    block->high_j[a] = body->high[a] + j;
+    block->low_i[a] = body->low[a] + i;
+    block->low_j[a] = body->low[a] + j;
+  }
+  if (!body->relative_stiffness) return;
+  block->ci_float = body->relative_stiffness + i;
+  block->cj_float = body->relative_stiffness + j;
+  block->qi_float = body->float_threshold + i;
+  block->qj_float = body->float_threshold + j;
+}
 
 SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
                               const sdr_bond_run *run, int32_t start, double *const u[3],
@@ -38,150 +56,51 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
     }
   }
   if (body->stiffness_at) {
-    block.ci = body->stiffness_at + i;
-    block.cj = body->stiffness_at + j;
-    block.qi = body->threshold_at + i;
-    block.qj = body->threshold_at + j;
+    block.ci_double = body->stiffness_at + i;
+    block.cj_double = body->stiffness_at + j;
+    block.qi_double = body->threshold_at + i;
+    block.qj_double = body->threshold_at + j;
   }
+  if (body->mixed) mixed_block_at(components, body, i, j, &block);
   if (body->stretch) block.stretch = body->stretch + slot;
   if (body->flags) block.flags = body->flags + slot;
   block.count = run->length - start < SDR_BLOCK ? run->length - start : SDR_BLOCK;
   return block;
 }
 
-/* Kinematics of a pair without cancellation (theory sec. 2): z = (2 xi.eta + eta^2)/xi^2,
-   r = sqrt(1 + z) = l/|xi|, stretch s = z/(1 + r), force factor z/(r (1 + r)) = s/r. */
-typedef struct {
-  double s, factor;
-} sdr_stretch;
+#define SDR_REAL double
+#define SDR_NAMED(name) name##_double
+#define SDR_SQRT sqrt
+#define SDR_SMALLEST 1e-200
+#define SDR_LENGTH_UNIT(body) ((void)(body), 1.0)
+#define SDR_FORCE_UNIT(body) ((void)(body), 1.0)
+#define SDR_STIFFNESS_UNIT(body) ((void)(body), 1.0)
+#define SDR_SHARED_STIFFNESS(body) ((body)->stiffness)
+#define SDR_DIFFERENCE(a) (block->uj[a][k] - block->ui[a][k])
+#include "mechanics/bond_force.h"
+#undef SDR_REAL
+#undef SDR_NAMED
+#undef SDR_SQRT
+#undef SDR_SMALLEST
+#undef SDR_LENGTH_UNIT
+#undef SDR_FORCE_UNIT
+#undef SDR_STIFFNESS_UNIT
+#undef SDR_SHARED_STIFFNESS
+#undef SDR_DIFFERENCE
 
-SDR_INLINE sdr_stretch stretch_of(double z)
-{
-  const double square = 1.0 + z;
-  const double r = sqrt(square > 1e-200 ? square : 1e-200); /* l = 0: no direction, no force */
-  const double factor = z / (r * (1.0 + r));
-  return (sdr_stretch){factor * r, factor};
-}
-
-/* Stiffness that a pair of the variational law has left, from its stretch and history. */
-SDR_INLINE double variational_stiffness(const int marked, double s, float k, double ci, double qi,
-                                        double cj, double qj)
-{
-  const double kk = (double)k * (double)k;
-  const double soft = sdr_variational_pair(kk, ci, qi, cj, qj), whole = ci + cj;
-  double left = s > 0.0 ? soft : whole;
-  if (marked) {
-    left = k == SDR_STRETCH_PROTECTED ? whole : left;
-    left = k == SDR_STRETCH_CUT ? 0.0 : left;
-  }
-  return left;
-}
-
-/* The history that a stretch leaves behind. */
-SDR_INLINE float grown_stretch(const int marked, float before, double s)
-{
-  const float now = (float)s;
-  const float grown = before > now ? before : now;
-  if (marked) return before < 0.0f ? before : grown;
-  return grown;
-}
-
-/* Lost halves after the stretch s, fresh ones marked. */
-SDR_INLINE sdr_flags grown_flags(const int marked, sdr_flags before, double s, double qi, double qj)
-{
-  const sdr_flags broken =
-      (sdr_critical_breaks(s, qi) ? SDR_LOST_I : 0) | (sdr_critical_breaks(s, qj) ? SDR_LOST_J : 0);
-  const sdr_flags fresh = broken & ~before;
-  const sdr_flags grown = before | fresh | fresh << 2;
-  if (marked) return before & SDR_PROTECTED ? before : grown;
-  return grown;
-}
-
-/* Forces of a block into F, component-major; returns 1 if a bond was lost in it. */
-SDR_INLINE int block_force(const int components, const int law, const int each, const int marked,
-                           const int commit, const sdr_bond_body *body, const sdr_block *block,
-                           const sdr_bond_class *class, double F[3][SDR_BLOCK])
-{
-  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double inverse = 1.0 / (class->length * class->length);
-  const double wij = class->weight_ij / class->length, wji = class->weight_ji / class->length;
-  const double c = body->stiffness, q = body->threshold;
-  const double *const ux = block->ui[0], *const vx = block->uj[0];
-  const double *const uy = block->ui[1], *const vy = block->uj[1];
-  const double *const uz = block->ui[2], *const vz = block->uj[2];
-  sdr_flags fresh = 0;
-#pragma omp simd reduction(| : fresh)
-  for (int k = 0; k < block->count; ++k) {
-    const double ex = vx[k] - ux[k];
-    const double ey = components > 1 ? vy[k] - uy[k] : 0.0;
-    const double ez = components > 2 ? vz[k] - uz[k] : 0.0;
-    double z = (2.0 * xx + ex) * ex;
-    if (components > 1) z += (2.0 * xy + ey) * ey;
-    if (components > 2) z += (2.0 * xz + ez) * ez;
-    const sdr_stretch t = stretch_of(z * inverse);
-    const double ci = wij * (each ? block->ci[k] : c), cj = wji * (each ? block->cj[k] : c);
-    const double qi = each ? block->qi[k] : q, qj = each ? block->qj[k] : q;
-    double stiffness = ci + cj;
-    if (law == SDR_LAW_VARIATIONAL) {
-      const float grown = grown_stretch(marked, block->stretch[k], t.s);
-      if (commit) block->stretch[k] = grown;
-      if (each) {
-        stiffness = variational_stiffness(marked, t.s, grown, ci, qi, cj, qj);
-      } else {
-        stiffness = variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
-      }
-    } else if (law == SDR_LAW_CRITICAL_STRETCH) {
-      const sdr_flags grown = grown_flags(marked, block->flags[k], t.s, qi, qj);
-      if (commit) {
-        block->flags[k] = grown;
-        fresh |= grown;
-      }
-      stiffness = (grown & SDR_LOST_I ? 0.0 : ci) + (grown & SDR_LOST_J ? 0.0 : cj);
-    } else if (marked) {
-      stiffness = block->flags[k] & SDR_CUT ? 0.0 : stiffness;
-    }
-    const double phi = stiffness * t.factor;
-    F[0][k] = phi * (xx + ex);
-    if (components > 1) F[1][k] = phi * (xy + ey);
-    if (components > 2) F[2][k] = phi * (xz + ez);
-  }
-  return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
-}
-
-/* i and j sides apart, since a run along its own row overlaps itself. */
-SDR_INLINE void add_block(const int components, const sdr_block *block, double F[3][SDR_BLOCK])
-{
-  for (int a = 0; a < components; ++a) {
-    double *const fi = block->fi[a], *const fj = block->fj[a];
-    const double *const force = F[a];
-#pragma omp simd
-    for (int k = 0; k < block->count; ++k) fi[k] += force[k];
-#pragma omp simd
-    for (int k = 0; k < block->count; ++k) fj[k] -= force[k];
-  }
-}
-
-SDR_INLINE void force_of_runs(const int components, const int law, const int each, const int commit,
-                              const sdr_bond_body *body, int64_t first, int64_t end,
-                              double *const u[3], double *const f[3])
-{
-  _Alignas(64) double F[3][SDR_BLOCK];
-  for (int64_t r = first; r < end; ++r) {
-    const sdr_bond_run *run = &body->bonds->runs[r];
-    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
-    const int marked = body->run_marked && body->run_marked[r];
-    int fresh = 0;
-    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
-      const sdr_block block = block_at(components, body, run, start, u, f);
-      if (marked)
-        fresh |= block_force(components, law, each, 1, commit, body, &block, class, F);
-      else
-        fresh |= block_force(components, law, each, 0, commit, body, &block, class, F);
-      add_block(components, &block, F);
-    }
-    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;
-  }
-}
+/* A pair's force is C w (unit/|xi|) (s/r) ((xi + eta)/unit); with C w over stiffness/force units of
+   order one nothing in it leaves the range of float, whatever the units of the scene. */
+#define SDR_REAL float
+#define SDR_NAMED(name) name##_float
+#define SDR_SQRT sqrtf
+#define SDR_SMALLEST 1e-30f
+#define SDR_LENGTH_UNIT(body) ((body)->length_unit)
+#define SDR_FORCE_UNIT(body) ((body)->force_unit)
+#define SDR_STIFFNESS_UNIT(body) ((body)->stiffness / (body)->force_unit)
+#define SDR_SHARED_STIFFNESS(body) ((void)(body), 1.0)
+#define SDR_DIFFERENCE(a)                                                                          \
+  ((block->high_j[a][k] - block->high_i[a][k]) + (block->low_j[a][k] - block->low_i[a][k]))
+#include "mechanics/bond_force.h"
 
 /* ---- the reference tangent, for the stable step ---------------------------------------------- */
 
@@ -204,7 +123,7 @@ SDR_INLINE void reference_of_runs(const int components, const int each, const sd
         if (components > 1) along += xy * (b.uj[1][k] - b.ui[1][k]);
         if (components > 2) along += xz * (b.uj[2][k] - b.ui[2][k]);
         const double stiffness =
-            each ? wij * b.ci[k] + wji * b.cj[k] : (wij + wji) * body->stiffness;
+            each ? wij * b.ci_double[k] + wji * b.cj_double[k] : (wij + wji) * body->stiffness;
         F[0][k] = stiffness * along * xx;
         if (components > 1) F[1][k] = stiffness * along * xy;
         if (components > 2) F[2][k] = stiffness * along * xz;
@@ -212,7 +131,7 @@ SDR_INLINE void reference_of_runs(const int components, const int each, const sd
       /* Opposite sign of a force: K v = -df. */
       for (int a = 0; a < components; ++a)
         for (int k = 0; k < b.count; ++k) F[a][k] = -F[a][k];
-      add_block(components, &b, F);
+      add_block_double(components, body, &b, F);
     }
   }
 }
@@ -263,13 +182,14 @@ SDR_INLINE void energies_of_block(const int components, const int law, const int
     double z = (2.0 * xx + ex) * ex;
     if (components > 1) z += (2.0 * xy + ey) * ey;
     if (components > 2) z += (2.0 * xz + ez) * ez;
-    const double s = stretch_of(z * inverse).s;
-    const double hi = wij * (each ? b->ci[k] : body->stiffness);
-    const double hj = wji * (each ? b->cj[k] : body->stiffness);
-    const double qi = each ? b->qi[k] : body->threshold, qj = each ? b->qj[k] : body->threshold;
+    const double s = stretch_of_double(z * inverse).s;
+    const double hi = wij * (each ? b->ci_double[k] : body->stiffness);
+    const double hj = wji * (each ? b->cj_double[k] : body->stiffness);
+    const double qi = each ? b->qi_double[k] : body->threshold,
+                 qj = each ? b->qj_double[k] : body->threshold;
     sdr_directed_energy i = {hi * s * s, 0.0, 0.0}, j = {hj * s * s, 0.0, 0.0};
     if (law == SDR_LAW_VARIATIONAL) {
-      const float grown = grown_stretch(marked, b->stretch[k], s);
+      const float grown = grown_stretch_double(marked, b->stretch[k], s);
       i = variational_energy(marked, hi, s, grown, qi);
       j = variational_energy(marked, hj, s, grown, qj);
     } else if (law == SDR_LAW_CRITICAL_STRETCH || marked) {
@@ -328,11 +248,11 @@ SDR_INLINE void damage_of_block(const int components, const int law, const int e
       double z = (2.0 * xx + ex) * ex;
       if (components > 1) z += (2.0 * xy + ey) * ey;
       if (components > 2) z += (2.0 * xz + ez) * ez;
-      const float grown = grown_stretch(1, b->stretch[k], stretch_of(z * inverse).s);
+      const float grown = grown_stretch_double(1, b->stretch[k], stretch_of_double(z * inverse).s);
       const double kk = grown > 0.0f ? (double)grown * (double)grown : 0.0;
       const double cut = grown == SDR_STRETCH_CUT ? 1.0 : 0.0;
-      di = kk / (kk + (each ? b->qi[k] : body->threshold)) + cut;
-      dj = kk / (kk + (each ? b->qj[k] : body->threshold)) + cut;
+      di = kk / (kk + (each ? b->qi_double[k] : body->threshold)) + cut;
+      dj = kk / (kk + (each ? b->qj_double[k] : body->threshold)) + cut;
     } else {
       di = b->flags[k] & SDR_LOST_I ? 1.0 : 0.0;
       dj = b->flags[k] & SDR_LOST_J ? 1.0 : 0.0;
@@ -397,18 +317,18 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
         z += (2.0 * xz + ez) * ez;
         square += xz * xz;
       }
-      const sdr_stretch t = stretch_of(z / square);
+      const sdr_stretch_double t = stretch_of_double(z / square);
       const double ci = loose->weight_ij[slot] * (each ? body->stiffness_at[i] : c);
       const double cj = loose->weight_ji[slot] * (each ? body->stiffness_at[j] : c);
       const double qi = each ? body->threshold_at[i] : q, qj = each ? body->threshold_at[j] : q;
       double stiffness = ci + cj;
       if (law == SDR_LAW_VARIATIONAL) {
-        const float grown = grown_stretch(marked, body->loose_stretch[slot], t.s);
+        const float grown = grown_stretch_double(marked, body->loose_stretch[slot], t.s);
         if (commit) body->loose_stretch[slot] = grown;
-        stiffness = each ? variational_stiffness(marked, t.s, grown, ci, qi, cj, qj)
-                         : variational_stiffness(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
+        stiffness = each ? variational_stiffness_double(marked, t.s, grown, ci, qi, cj, qj)
+                         : variational_stiffness_double(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
       } else if (law == SDR_LAW_CRITICAL_STRETCH) {
-        const sdr_flags grown = grown_flags(marked, body->loose_flags[slot], t.s, qi, qj);
+        const sdr_flags grown = grown_flags_double(marked, body->loose_flags[slot], t.s, qi, qj);
         if (commit) {
           body->loose_flags[slot] = grown;
           fresh |= grown;

@@ -1,17 +1,20 @@
 /* Pieces are the components of the graph of sound pairs, found by union-find.
 
-   Through-cracks of a ring. A crack that branches, or leaves splinters behind, makes pieces that
-   reach one surface only or none; they are debris, not sectors. So a SECTOR is a piece with a point
-   within two spacings of the ring's smallest radius and one within two spacings of its largest.
-   Between neighbouring sectors lies one through-crack, however much debris is in it:
-     two sectors or more: as many cracks as sectors;
-     one sector: 1 if it does not close around the centre, 0 if it does;
-     none (the ring came apart along circles): 0.
-   A piece closes around the centre if and only if it holds a cycle of pairs along which the angle
-   turns by a full circle. The union-find carries for each point its angle relative to its root,
-   summed along sound pairs (each turns by less than half a circle); a pair inside one tree closes
-   a cycle, and the turn of that cycle is a multiple of 2 pi that the carried angles give. Cycles of
-   a graph are sums of these, so no such pair with a turn means no cycle with one. */
+   Through-cracks of a ring, as one sees them in a picture of its damage: clusters of damaged points
+   (joined by bonds) that reach from the inner to the outer surface. A branched crack is one, and so
+   is one whose faces still hold together by a last ligament that has begun to tear.
+
+   Sectors of a ring: what has come apart for good. A crack that branches, or leaves splinters
+   behind, makes pieces that reach one surface only or none; they are debris, not sectors. So a
+   SECTOR is a piece with a point within two spacings of the ring's smallest radius and one within
+   two spacings of its largest. Between neighbouring sectors lies one cut, however much debris is in
+   it: two sectors or more: as many cuts; one sector: 1 if it does not close around the centre, 0 if
+   it does; none (the ring came apart along circles): 0. A piece closes around the centre if and
+   only if it holds a cycle of pairs along which the angle turns by a full circle. The union-find
+   carries for each point its angle relative to its root, summed along sound pairs (each turns by
+   less than half a circle); a pair inside one tree closes a cycle, and the turn of that cycle is a
+   multiple of 2 pi that the carried angles give. Cycles of a graph are sums of these, so no such
+   pair with a turn means no cycle with one. */
 #include "output/fragments.h"
 
 #include "base/memory.h"
@@ -27,6 +30,7 @@ typedef struct {
   const double *polar; /* angle of each point about the centre */
   unsigned char *closed;
   double threshold;
+  const double *damage; /* of points; NULL: pairs below the threshold join, else points above it */
 } forest;
 
 /* Root of i; *turned becomes the angle of i minus that of its root. Then i and all above it hang
@@ -62,7 +66,10 @@ static void join_pair(void *context, int32_t i, int32_t j, double damage)
 {
   forest *trees = context;
   double turn_i, turn_j;
-  if (!(damage < trees->threshold)) return;
+  const double *points = trees->damage;
+  if (points ? !(points[i] >= trees->threshold && points[j] >= trees->threshold)
+             : !(damage < trees->threshold))
+    return;
   int32_t a = find(trees, i, &turn_i), b = find(trees, j, &turn_j);
   /* Angle of root b minus that of root a, by way of this pair. */
   double between = trees->angle ? turn_i + polar_step(trees->polar, i, j) - turn_j : 0.0;
@@ -91,12 +98,12 @@ static void forest_free(forest *trees)
   sdr_free(trees->closed);
 }
 
-/* All pairs joined. polar NULL: without angles. */
+/* All pairs joined. polar NULL: without angles; damage: see forest. */
 static sdr_status forest_grow(sdr_system *system, double threshold, const double *polar,
-                              forest *trees)
+                              const double *damage, forest *trees)
 {
   const size_t count = (size_t)system->count;
-  *trees = (forest){.polar = polar, .threshold = threshold};
+  *trees = (forest){.polar = polar, .threshold = threshold, .damage = damage};
   trees->parent = sdr_alloc(count, sizeof *trees->parent);
   trees->size = sdr_alloc(count, sizeof *trees->size);
   if (polar) {
@@ -150,7 +157,7 @@ sdr_status sdr_fragments_find(sdr_system *system, double threshold, int32_t *pie
   forest trees;
   double unused;
   int32_t count = 0, single = 0;
-  SDR_TRY(forest_grow(system, threshold, NULL, &trees));
+  SDR_TRY(forest_grow(system, threshold, NULL, NULL, &trees));
   part *parts = sdr_alloc((size_t)system->count, sizeof *parts);
   int32_t *slot = sdr_alloc((size_t)system->count, sizeof *slot);
   sdr_status status = SDR_RUN_FAILED;
@@ -198,18 +205,24 @@ static sdr_status ring_measure(const sdr_points *points, const double centre[3],
   return SDR_OK;
 }
 
-/* By the rule above. touches: one byte a point out, for roots: 1 inner surface, 2 outer, 3 both. */
-static int32_t count_sectors(forest *trees, const sdr_points *points, const ring *r,
-                             unsigned char *touches)
+/* touches: one byte a point out, for roots: 1 inner surface, 2 outer, 3 both. */
+static void find_touching(forest *trees, const sdr_points *points, const ring *r,
+                          unsigned char *touches)
 {
   double unused;
-  int32_t sectors = 0, closed = 0;
   for (int32_t i = 0; i < points->count; ++i) {
     const double near = 2.0 * points->spacing[i] * (1.0 + 1e-9);
     const int32_t root = find(trees, i, &unused);
     if (r->radius[i] <= r->inner + near) touches[root] |= 1;
     if (r->radius[i] >= r->outer - near) touches[root] |= 2;
   }
+}
+
+/* By the rule above. */
+static int32_t count_sectors(const forest *trees, const sdr_points *points,
+                             const unsigned char *touches)
+{
+  int32_t sectors = 0, closed = 0;
   for (int32_t i = 0; i < points->count; ++i) {
     if (trees->parent[i] != i || touches[i] != 3) continue;
     ++sectors;
@@ -218,27 +231,56 @@ static int32_t count_sectors(forest *trees, const sdr_points *points, const ring
   return sectors == 1 && closed ? 0 : sectors;
 }
 
-sdr_status sdr_through_cracks(sdr_system *system, double threshold, const double centre[3],
-                              int32_t *count)
+static int32_t count_across(const forest *trees, const sdr_points *points,
+                            const unsigned char *touches)
+{
+  int32_t across = 0;
+  for (int32_t i = 0; i < points->count; ++i) across += trees->parent[i] == i && touches[i] == 3;
+  return across;
+}
+
+/* Sectors (damage NULL) or through-cracks of a ring. */
+static sdr_status count_in_ring(sdr_system *system, double threshold, const double *damage,
+                                const double centre[3], int32_t *count)
 {
   const sdr_points *points = system->model->points;
   ring r;
   forest trees;
-  if (points->components < 2) {
-    *count = 0;
-    return SDR_OK;
-  }
   SDR_TRY(ring_measure(points, centre, &r));
-  sdr_status status = forest_grow(system, threshold, r.polar, &trees);
+  sdr_status status = forest_grow(system, threshold, damage ? NULL : r.polar, damage, &trees);
   if (status != SDR_OK) goto measured;
   unsigned char *touches = sdr_alloc((size_t)points->count, 1);
-  if (touches)
-    *count = count_sectors(&trees, points, &r, touches);
-  else
+  if (touches) {
+    find_touching(&trees, points, &r, touches);
+    *count =
+        damage ? count_across(&trees, points, touches) : count_sectors(&trees, points, touches);
+  } else {
     status = SDR_RUN_FAILED;
+  }
   sdr_free(touches);
   forest_free(&trees);
 measured:
   ring_free(&r);
+  return status;
+}
+
+sdr_status sdr_ring_sectors(sdr_system *system, double threshold, const double centre[3],
+                            int32_t *count)
+{
+  *count = 0;
+  if (system->components < 2) return SDR_OK;
+  return count_in_ring(system, threshold, NULL, centre, count);
+}
+
+sdr_status sdr_through_cracks(sdr_system *system, double threshold, const double centre[3],
+                              int32_t *count)
+{
+  *count = 0;
+  if (system->components < 2) return SDR_OK;
+  double *damage = sdr_alloc((size_t)system->count, sizeof *damage);
+  if (!damage) return SDR_RUN_FAILED;
+  sdr_status status = sdr_system_field(system, "damage", damage);
+  if (status == SDR_OK) status = count_in_ring(system, threshold, damage, centre, count);
+  sdr_free(damage);
   return status;
 }

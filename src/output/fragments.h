@@ -15,9 +15,15 @@ typedef struct {
 sdr_status sdr_fragments_find(sdr_system *system, double threshold, int32_t *piece,
                               sdr_fragments *out);
 
-/* Through-cracks of a ring around centre[3] (in x-y; a tube's axis is z): how many cracks cut it
-   from the inner to the outer surface. fragments.c has the rule. 0 in 1-D. */
+/* A ring around centre[3] (in x-y; a tube's axis is z); fragments.c has the rules. 0 in 1-D.
+   Through-cracks: clusters of points with at least `threshold` damage that reach from the inner to
+   the outer surface. */
 sdr_status sdr_through_cracks(sdr_system *system, double threshold, const double centre[3],
                               int32_t *count);
+
+/* Cuts that part the ring for good: its sectors, held together by pairs with damage < threshold;
+   1 if it is cut once and so still one piece, 0 if it closes around the centre. */
+sdr_status sdr_ring_sectors(sdr_system *system, double threshold, const double centre[3],
+                            int32_t *count);
 
 #endif

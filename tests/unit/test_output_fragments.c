@@ -87,7 +87,7 @@ static void running_out_of_memory_is_reported_and_leaks_nothing(void **state)
     sdr_memory_fail_after(k);
     const sdr_status pieces = sdr_fragments_find(b.system, 0.5, NULL, &found);
     sdr_memory_fail_after(k);
-    const sdr_status cracks = sdr_through_cracks(b.system, 0.5, centre, &count);
+    const sdr_status cracks = sdr_ring_sectors(b.system, 0.5, centre, &count);
     sdr_memory_fail_after(-1);
     assert_int_equal(pieces, SDR_RUN_FAILED);
     assert_int_equal(cracks, SDR_RUN_FAILED);
@@ -169,7 +169,7 @@ static void ring(body *b, const slit *slits, int slit_count)
   }
 }
 
-/* {through-cracks, fragments} of a ring with these slits. */
+/* {cuts, fragments} of a ring with these slits. */
 static void expect(const slit *slits, int slit_count, int cracks, int fragments)
 {
   body b;
@@ -177,7 +177,7 @@ static void expect(const slit *slits, int slit_count, int cracks, int fragments)
   int32_t count = -1;
   ring(&b, slits, slit_count);
   assert_int_equal(sdr_fragments_find(b.system, 0.5, NULL, &found), SDR_OK);
-  assert_int_equal(sdr_through_cracks(b.system, 0.5, ring_centre, &count), SDR_OK);
+  assert_int_equal(sdr_ring_sectors(b.system, 0.5, ring_centre, &count), SDR_OK);
   assert_int_equal(found.count, fragments);
   assert_int_equal(count, cracks);
   body_destroy(&b);
@@ -253,7 +253,7 @@ static void a_bar_has_no_through_cracks(void **state)
   body b;
   int32_t count = -1;
   chain(&b, 4);
-  assert_int_equal(sdr_through_cracks(b.system, 0.5, ring_centre, &count), SDR_OK);
+  assert_int_equal(sdr_ring_sectors(b.system, 0.5, ring_centre, &count), SDR_OK);
   assert_int_equal(count, 0);
   body_destroy(&b);
 }

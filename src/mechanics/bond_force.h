@@ -1,0 +1,145 @@
+/* Forces of runs in one kind of number, from bond_loop.h: SDR_REAL double or float, SDR_NAMED(x)
+   its names. In float displacements come as sums of two floats in units of the spacing (body->high,
+   body->low), so that their differences keep seven digits, and forces are in units of
+   body->force_unit; the sums over bonds stay double. */
+
+/* Kinematics of a pair without cancellation (theory sec. 2): z = (2 xi.eta + eta^2)/xi^2,
+   r = sqrt(1 + z) = l/|xi|, stretch s = z/(1 + r), force factor z/(r (1 + r)) = s/r. */
+typedef struct {
+  SDR_REAL s, factor;
+} SDR_NAMED(sdr_stretch);
+
+SDR_INLINE SDR_NAMED(sdr_stretch) SDR_NAMED(stretch_of)(SDR_REAL z)
+{
+  const SDR_REAL one = (SDR_REAL)1, square = one + z;
+  /* l = 0: no direction, no force */
+  const SDR_REAL r = SDR_SQRT(square > SDR_SMALLEST ? square : SDR_SMALLEST);
+  const SDR_REAL factor = z / (r * (one + r));
+  return (SDR_NAMED(sdr_stretch)){factor * r, factor};
+}
+
+/* Stiffness that a pair of the variational law has left, from its stretch and history. */
+SDR_INLINE SDR_REAL SDR_NAMED(variational_stiffness)(const int marked, SDR_REAL s, float k,
+                                                     SDR_REAL ci, SDR_REAL qi, SDR_REAL cj,
+                                                     SDR_REAL qj)
+{
+  const SDR_REAL kk = (SDR_REAL)k * (SDR_REAL)k, zero = (SDR_REAL)0;
+  const SDR_REAL soft = SDR_NAMED(sdr_variational_pair)(kk, ci, qi, cj, qj), whole = ci + cj;
+  SDR_REAL left = s > zero ? soft : whole;
+  if (marked) {
+    left = k == SDR_STRETCH_PROTECTED ? whole : left;
+    left = k == SDR_STRETCH_CUT ? zero : left;
+  }
+  return left;
+}
+
+/* The history that a stretch leaves behind. */
+SDR_INLINE float SDR_NAMED(grown_stretch)(const int marked, float before, SDR_REAL s)
+{
+  const float now = (float)s;
+  const float grown = before > now ? before : now;
+  if (marked) return before < 0.0f ? before : grown;
+  return grown;
+}
+
+/* Lost halves after the stretch s, fresh ones marked. */
+SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(const int marked, sdr_flags before, SDR_REAL s,
+                                            SDR_REAL qi, SDR_REAL qj)
+{
+  const SDR_REAL zero = (SDR_REAL)0, square = s * s;
+  const sdr_flags broken =
+      (s > zero && square > qi ? SDR_LOST_I : 0) | (s > zero && square > qj ? SDR_LOST_J : 0);
+  const sdr_flags fresh = broken & ~before;
+  const sdr_flags grown = before | fresh | fresh << 2;
+  if (marked) return before & SDR_PROTECTED ? before : grown;
+  return grown;
+}
+
+/* Forces of a block into F, component-major; returns 1 if a bond was lost in it. */
+SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const int each,
+                                      const int marked, const int commit, const sdr_bond_body *body,
+                                      const sdr_block *block, const sdr_bond_class *class,
+                                      SDR_REAL F[3][SDR_BLOCK])
+{
+  const double unit = SDR_LENGTH_UNIT(body), stiff = SDR_STIFFNESS_UNIT(body);
+  const SDR_REAL xx = (SDR_REAL)(class->xi[0] / unit), xy = (SDR_REAL)(class->xi[1] / unit);
+  const SDR_REAL xz = (SDR_REAL)(class->xi[2] / unit), two = (SDR_REAL)2, zero = (SDR_REAL)0;
+  const SDR_REAL inverse = (SDR_REAL)(unit * unit / (class->length * class->length));
+  const SDR_REAL wij = (SDR_REAL)(class->weight_ij * (unit / class->length) * stiff);
+  const SDR_REAL wji = (SDR_REAL)(class->weight_ji * (unit / class->length) * stiff);
+  const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
+  sdr_flags fresh = 0;
+#pragma omp simd reduction(| : fresh)
+  for (int k = 0; k < block->count; ++k) {
+    const SDR_REAL ex = SDR_DIFFERENCE(0);
+    const SDR_REAL ey = components > 1 ? SDR_DIFFERENCE(1) : zero;
+    const SDR_REAL ez = components > 2 ? SDR_DIFFERENCE(2) : zero;
+    SDR_REAL z = (two * xx + ex) * ex;
+    if (components > 1) z += (two * xy + ey) * ey;
+    if (components > 2) z += (two * xz + ez) * ez;
+    const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z * inverse);
+    const SDR_REAL ci = wij * (each ? block->SDR_NAMED(ci)[k] : c);
+    const SDR_REAL cj = wji * (each ? block->SDR_NAMED(cj)[k] : c);
+    const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
+    const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
+    SDR_REAL stiffness = ci + cj;
+    if (law == SDR_LAW_VARIATIONAL) {
+      const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
+      if (commit) block->stretch[k] = grown;
+      stiffness = each ? SDR_NAMED(variational_stiffness)(marked, t.s, grown, ci, qi, cj, qj)
+                       : SDR_NAMED(variational_stiffness)(marked, t.s, grown, ci + cj, q, zero,
+                                                          (SDR_REAL)1);
+    } else if (law == SDR_LAW_CRITICAL_STRETCH) {
+      const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
+      if (commit) {
+        block->flags[k] = grown;
+        fresh |= grown;
+      }
+      stiffness = (grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj);
+    } else if (marked) {
+      stiffness = block->flags[k] & SDR_CUT ? zero : stiffness;
+    }
+    const SDR_REAL phi = stiffness * t.factor;
+    F[0][k] = phi * (xx + ex);
+    if (components > 1) F[1][k] = phi * (xy + ey);
+    if (components > 2) F[2][k] = phi * (xz + ez);
+  }
+  return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
+}
+
+/* i and j sides apart, since a run along its own row overlaps itself. */
+SDR_INLINE void SDR_NAMED(add_block)(const int components, const sdr_bond_body *body,
+                                     const sdr_block *block, SDR_REAL F[3][SDR_BLOCK])
+{
+  const double unit = SDR_FORCE_UNIT(body);
+  for (int a = 0; a < components; ++a) {
+    double *const fi = block->fi[a], *const fj = block->fj[a];
+    const SDR_REAL *const force = F[a];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fi[k] += unit * (double)force[k];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fj[k] -= unit * (double)force[k];
+  }
+}
+
+SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, const int each,
+                                         const int commit, const sdr_bond_body *body, int64_t first,
+                                         int64_t end, double *const u[3], double *const f[3])
+{
+  _Alignas(64) SDR_REAL F[3][SDR_BLOCK];
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+    const int marked = body->run_marked && body->run_marked[r];
+    int fresh = 0;
+    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
+      const sdr_block block = block_at(components, body, run, start, u, f);
+      if (marked)
+        fresh |= SDR_NAMED(block_force)(components, law, each, 1, commit, body, &block, class, F);
+      else
+        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, body, &block, class, F);
+      SDR_NAMED(add_block)(components, body, &block, F);
+    }
+    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;
+  }
+}
