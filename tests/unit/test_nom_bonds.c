@@ -1,0 +1,323 @@
+/* nom: bonds as runs and as loose pairs hold every pair of the naive search once. */
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "nom/bonds.h"
+#include "support/cmocka_all.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A lattice body: cells of a box that `keep` wants, turned by `angle`; jittered if jitter > 0. */
+typedef struct {
+  int components;
+  int32_t size[3];
+  double ratio, angle, jitter, spread;
+  int (*keep)(const int32_t cell[3]);
+  int force_loose;
+} shape;
+
+static double noise(uint64_t *state)
+{
+  *state ^= *state << 13;
+  *state ^= *state >> 7;
+  *state ^= *state << 17;
+  return (double)(*state >> 11) * 0x1p-52 - 1.0;
+}
+
+static void put_point(sdr_points *points, const shape *s, int32_t i, const int32_t cell[3],
+                      uint64_t *seed)
+{
+  const double c = cos(s->angle), n = sin(s->angle);
+  const double q[3] = {cell[0], cell[1], cell[2]};
+  const double x[3] = {c * q[0] - n * q[1], n * q[0] + c * q[1], q[2]};
+  for (int a = 0; a < s->components; ++a)
+    points->x[a][i] = (s->components == 1 ? q[a] : x[a]) + s->jitter * noise(seed);
+  points->spacing[i] = points->volume[i] = 1.0;
+  points->horizon[i] = s->ratio * (1.0 + s->spread * noise(seed));
+  if (points->cell) memcpy(points->cell + 3 * (size_t)i, cell, 3 * sizeof *cell);
+}
+
+static sdr_points *make_points(const shape *s)
+{
+  sdr_points *points;
+  const int32_t all = s->size[0] * s->size[1] * s->size[2];
+  assert_int_equal(sdr_points_create(all, s->components, s->jitter <= 0.0, &points), SDR_OK);
+  if (s->components > 1) {
+    points->axes[0][0] = points->axes[1][1] = cos(s->angle);
+    points->axes[0][1] = sin(s->angle);
+    points->axes[1][0] = -sin(s->angle);
+  }
+  points->lattice_spacing = 1.0;
+  points->irregular = s->jitter > 0.0;
+  uint64_t seed = 99;
+  points->count = 0;
+  for (int32_t z = 0; z < s->size[2]; ++z)
+    for (int32_t y = 0; y < s->size[1]; ++y)
+      for (int32_t x = 0; x < s->size[0]; ++x) {
+        const int32_t cell[3] = {x, y, z};
+        if (!s->keep || s->keep(cell)) put_point(points, s, points->count++, cell, &seed);
+      }
+  assert_int_equal(sdr_points_arrange(points), SDR_OK);
+  return points;
+}
+
+/* ---- the naive search ------------------------------------------------------------------------ */
+
+enum { IN_I = 1, IN_J = 2, FOUND = 4 };
+
+typedef struct {
+  const sdr_points *points;
+  char *mark; /* count x count, for i < j */
+  int64_t pairs, directed, visited;
+} table;
+
+static char *entry(const table *t, int32_t i, int32_t j)
+{
+  const int32_t low = i < j ? i : j, high = i < j ? j : i;
+  return t->mark + (size_t)low * (size_t)t->points->count + (size_t)high;
+}
+
+static table naive(const sdr_points *points)
+{
+  const size_t n = (size_t)points->count;
+  table t = {.points = points, .mark = sdr_alloc(n * n, 1)};
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int32_t j = i + 1; j < points->count; ++j) {
+      double square = 0.0;
+      for (int a = 0; a < points->components; ++a)
+        square += pow(points->x[a][j] - points->x[a][i], 2.0);
+      const double distance = sqrt(square) * (1.0 - 0.5e-9);
+      *entry(&t, i, j) = (char)((distance <= points->horizon[i] ? IN_I : 0) |
+                                (distance <= points->horizon[j] ? IN_J : 0));
+      t.pairs += *entry(&t, i, j) != 0;
+      t.directed += (distance <= points->horizon[i]) + (distance <= points->horizon[j]);
+    }
+  return t;
+}
+
+static void check_slot(void *context, const sdr_pair *pair)
+{
+  table *t = context;
+  const sdr_points *points = t->points;
+  char *mark = entry(t, pair->i, pair->j);
+  const int first_is_i = pair->i < pair->j;
+  const int ij = (*mark & (first_is_i ? IN_I : IN_J)) != 0;
+  const int ji = (*mark & (first_is_i ? IN_J : IN_I)) != 0;
+  assert_true(ij || ji);
+  assert_true(pair->weight_ij == (ij ? 1.0 : 0.0));
+  assert_true(pair->weight_ji == (ji ? 1.0 : 0.0));
+  double square = 0.0;
+  for (int a = 0; a < points->components; ++a) {
+    const double xi = points->x[a][pair->j] - points->x[a][pair->i];
+    assert_true(fabs(pair->xi[a] - xi) < 1e-12 * (1.0 + fabs(points->x[a][pair->i])));
+    square += xi * xi;
+  }
+  assert_true(fabs(pair->length - sqrt(square)) < 1e-12 * points->count);
+  if (!pair->primary) return;
+  assert_false(*mark & FOUND);
+  *mark |= FOUND;
+  ++t->visited;
+}
+
+static void check_bonds(const shape *s, int expect_runs)
+{
+  sdr_points *points = make_points(s);
+  const sdr_bonds_how how = {.force_loose = s->force_loose};
+  sdr_bonds *bonds;
+  assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+  table t = naive(points);
+  sdr_bonds_visit(bonds, points, check_slot, &t);
+  assert_int_equal(t.visited, t.pairs);
+  assert_int_equal(bonds->pairs, t.pairs);
+  assert_int_equal(bonds->directed, t.directed);
+  assert_int_equal(bonds->run_count > 0, expect_runs);
+  assert_int_equal(bonds->loose_pairs, expect_runs ? 0 : t.pairs);
+  sdr_free(t.mark);
+  sdr_bonds_destroy(&bonds);
+  sdr_points_destroy(&points);
+}
+
+static int in_annulus(const int32_t cell[3])
+{
+  const double r = hypot(cell[0] - 22, cell[1] - 22);
+  return r >= 11.0 && r <= 22.0;
+}
+
+static int in_shell(const int32_t cell[3])
+{
+  const double r = hypot(hypot(cell[0] - 6, cell[1] - 6), cell[2] - 6);
+  return r >= 3.0 && r <= 6.2;
+}
+
+static int in_comb(const int32_t cell[3])
+{
+  return cell[1] < 3 || cell[0] % 7 < 4;
+}
+
+static int every_other_row_missing(const int32_t cell[3])
+{
+  return cell[1] % 5 != 2 && (cell[0] + cell[1]) % 11 != 0;
+}
+
+static const shape lattices[] = {
+    {1, {2, 1, 1}, 1.0, 0.0, 0.0, 0.0, NULL, 0},
+    {1, {3000, 1, 1}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {2, {40, 33, 1}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {2, {33, 40, 1}, 3.0, 0.3, 0.0, 0.0, NULL, 0},
+    {2, {1400, 2, 1}, 4.1, 0.0, 0.0, 0.0, NULL, 0}, /* rows beyond 512 */
+    {2, {2, 1400, 1}, 4.1, 0.785398163397448, 0.0, 0.0, NULL, 0},
+    {2, {700, 4, 1}, 2.0, 0.1, 0.0, 0.0, every_other_row_missing, 0},
+    {2, {4, 700, 1}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {2, {45, 45, 1}, 3.01, 0.0, 0.0, 0.0, in_annulus, 0},
+    {2, {50, 30, 1}, 5.1, 0.0, 0.0, 0.0, in_comb, 0},
+    {2, {30, 50, 1}, 3.015, 0.0, 0.0, 0.0, every_other_row_missing, 0},
+    {3, {13, 13, 13}, 3.015, 0.0, 0.0, 0.0, in_shell, 0},
+    {3, {10, 11, 12}, 2.01, 0.2, 0.0, 0.0, NULL, 0},
+    {3, {300, 3, 2}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {3, {2, 300, 3}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {3, {3, 2, 300}, 3.015, 0.0, 0.0, 0.0, NULL, 0},
+    {3, {40, 35, 1}, 2.5, 0.0, 0.0, 0.0, NULL, 0},
+    {3, {1, 35, 40}, 2.5, 0.0, 0.0, 0.0, NULL, 0},
+};
+enum { LATTICES = sizeof lattices / sizeof *lattices };
+
+static void runs_of_a_lattice_hold_each_pair_once(void **state)
+{
+  (void)state;
+  for (int k = 0; k < LATTICES; ++k) check_bonds(&lattices[k], 1);
+}
+
+static void loose_pairs_of_a_lattice_hold_each_pair_once(void **state)
+{
+  (void)state;
+  for (int k = 0; k < LATTICES; k += 2) {
+    shape s = lattices[k];
+    s.force_loose = 1;
+    check_bonds(&s, 0);
+  }
+}
+
+static void jittered_points_with_varying_horizons_have_dual_flags(void **state)
+{
+  (void)state;
+  const shape shapes[] = {{1, {400, 1, 1}, 2.5, 0.0, 0.4, 0.5, NULL, 0},
+                          {2, {25, 24, 1}, 2.5, 0.0, 0.4, 0.5, NULL, 0},
+                          {2, {300, 3, 1}, 4.0, 0.0, 0.3, 0.7, NULL, 0},
+                          {3, {8, 9, 7}, 2.1, 0.0, 0.4, 0.4, NULL, 0}};
+  for (int k = 0; k < 4; ++k) check_bonds(&shapes[k], 0);
+}
+
+/* A lattice whose horizons differ has no runs, but every pair. */
+static void a_lattice_with_varying_horizons_is_loose(void **state)
+{
+  (void)state;
+  const shape s = {2, {30, 20, 1}, 3.0, 0.0, 0.0, 0.3, NULL, 0};
+  check_bonds(&s, 0);
+}
+
+/* ---- stripes --------------------------------------------------------------------------------- */
+
+static int stripe_of(const sdr_points *points, int32_t i)
+{
+  int s = 0;
+  while (points->stripe_first[s + 1] <= i) ++s;
+  return s;
+}
+
+static void every_run_joins_a_stripe_to_itself_or_the_next(void **state)
+{
+  (void)state;
+  for (int k = 0; k < LATTICES; ++k) {
+    sdr_points *points = make_points(&lattices[k]);
+    const sdr_bonds_how how = {0};
+    sdr_bonds *bonds;
+    assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+    int64_t end = 0;
+    for (int s = 0; s < points->stripe_count; ++s)
+      for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
+        const sdr_bond_run *run = &bonds->runs[r];
+        const int32_t last = run->length - 1;
+        const int i = stripe_of(points, run->i0), j = stripe_of(points, run->j0);
+        assert_true((i == s || i == s + 1) && (j == s || j == s + 1));
+        assert_true(i == s || j == s);
+        assert_int_equal(stripe_of(points, run->i0 + last), i);
+        assert_int_equal(stripe_of(points, run->j0 + last), j);
+        assert_true(run->length > 0 && run->slot >= end);
+        end = run->slot + run->length;
+      }
+    assert_int_equal(bonds->stripe_run[points->stripe_count], bonds->run_count);
+    assert_true(end <= bonds->run_slots);
+    sdr_bonds_destroy(&bonds);
+    sdr_points_destroy(&points);
+  }
+}
+
+static void rows_are_long_where_the_body_is(void **state)
+{
+  (void)state;
+  sdr_points *points = make_points(&(shape){2, {400, 300, 1}, 3.015, 0.0, 0.0, 0.0, NULL, 0});
+  const sdr_bonds_how how = {0};
+  sdr_bonds *bonds;
+  assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+  assert_true(bonds->pairs / bonds->run_count > 150); /* pairs a run */
+  assert_true(points->stripe_count > 32);
+  sdr_bonds_destroy(&bonds);
+  sdr_points_destroy(&points);
+}
+
+/* ---- failures -------------------------------------------------------------------------------- */
+
+static void a_body_without_a_bond_is_refused(void **state)
+{
+  (void)state;
+  for (int loose = 0; loose < 2; ++loose) {
+    sdr_points *points = make_points(&(shape){2, {5, 5, 1}, 0.5, 0.0, 0.0, 0.0, NULL, loose});
+    const sdr_bonds_how how = {.force_loose = loose};
+    sdr_bonds *bonds = NULL;
+    assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_BAD_INPUT);
+    assert_null(bonds);
+    assert_string_equal(sdr_error_message(),
+                        "no two points are within a horizon of each other, so the body has no "
+                        "bond; enlarge the horizon or the body");
+    sdr_points_destroy(&points);
+  }
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+  (void)state;
+  for (int loose = 0; loose < 2; ++loose) {
+    sdr_points *points = make_points(&(shape){2, {9, 9, 1}, 2.5, 0.0, 0.0, 0.0, NULL, loose});
+    const sdr_bonds_how how = {.force_loose = loose};
+    const size_t before = sdr_memory_now();
+    sdr_bonds *bonds = NULL;
+    long fails = 0;
+    for (; fails < 100; ++fails) {
+      sdr_memory_fail_after(fails);
+      const sdr_status status = sdr_bonds_create(points, &how, &bonds);
+      sdr_memory_fail_after(-1);
+      if (status == SDR_OK) break;
+      assert_int_equal(status, SDR_RUN_FAILED);
+      assert_null(bonds);
+      assert_int_equal(sdr_memory_now(), before);
+    }
+    assert_true(fails > 6 && fails < 100);
+    sdr_bonds_destroy(&bonds);
+    sdr_points_destroy(&points);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(runs_of_a_lattice_hold_each_pair_once),
+      cmocka_unit_test(loose_pairs_of_a_lattice_hold_each_pair_once),
+      cmocka_unit_test(jittered_points_with_varying_horizons_have_dual_flags),
+      cmocka_unit_test(a_lattice_with_varying_horizons_is_loose),
+      cmocka_unit_test(every_run_joins_a_stripe_to_itself_or_the_next),
+      cmocka_unit_test(rows_are_long_where_the_body_is),
+      cmocka_unit_test(a_body_without_a_bond_is_refused),
+      cmocka_unit_test(every_failing_allocation_is_reported),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
