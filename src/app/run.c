@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #ifndef SUNDER_COMMIT
 #define SUNDER_COMMIT "unknown"
@@ -44,16 +45,33 @@ static double wall(void)
 
 /* ---- set-up ---------------------------------------------------------------------------------- */
 
+/* Length of the folder's name if the run resumes from the checkpoint.h5 of a directory; 0: not. */
+static int length_of_folder(const char *checkpoint)
+{
+  const char *slash = checkpoint ? strrchr(checkpoint, '/') : NULL;
+  return slash && strcmp(slash, "/checkpoint.h5") == 0 ? (int)(slash - checkpoint) : 0;
+}
+
+/* -o, else that of the checkpoint, else the scene's, else out/SCENE[-VARIANT]. */
 static sdr_status name_directory(run *r, const sdr_run_options *options)
 {
   const sdr_scene *scene = r->built.scene;
-  const char *given = options->directory ? options->directory : scene->output.directory;
-  const int length = *given ? snprintf(r->directory, sizeof r->directory, "%s", given)
-                            : snprintf(r->directory, sizeof r->directory, "out/%s%s%s", scene->name,
-                                       scene->variant[0] ? "-" : "", scene->variant);
-  if (length < (int)sizeof r->directory) return SDR_OK;
+  const int folder = length_of_folder(options->resume);
+  char *name = r->directory;
+  const size_t size = sizeof r->directory;
+  int length;
+  if (options->directory)
+    length = snprintf(name, size, "%s", options->directory);
+  else if (folder > 0)
+    length = snprintf(name, size, "%.*s", folder, options->resume);
+  else if (scene->output.directory[0])
+    length = snprintf(name, size, "%s", scene->output.directory);
+  else
+    length = snprintf(name, size, "out/%s%s%s", scene->name, scene->variant[0] ? "-" : "",
+                      scene->variant);
+  if (length < (int)size) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT, "the name of the run's directory is longer than %d characters",
-                  (int)sizeof r->directory - 1);
+                  (int)size - 1);
 }
 
 static void add_observer(run *r, sdr_observer *observer)
@@ -257,10 +275,10 @@ static void print_results(const run *r, const sdr_summary *s, const ring_counts 
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
   fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
           s->books.imbalance_relative, s->books.imbalance_largest);
-  fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d threads)\n",
+  fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d thread%s)\n",
           s->wall_total,
           s->wall_integrate * 1e9 / ((double)s->bonds * (double)(s->steps_run ? s->steps_run : 1)),
-          s->instruction_set, s->threads);
+          s->instruction_set, s->threads, s->threads == 1 ? "" : "s");
   print_figures(s, out);
   fprintf(out, "results             %s\n", r->directory);
 }
@@ -303,6 +321,24 @@ static sdr_status summarise(run *r, FILE *out)
   return SDR_OK;
 }
 
+/* A resumed run goes on with the history and snapshots in its directory: they must be its own. */
+static sdr_status check_same_scene(const run *r)
+{
+  char path[sizeof r->directory + 16];
+  sdr_scene *there = NULL;
+  snprintf(path, sizeof path, "%s/used.yaml", r->directory);
+  if (access(path, F_OK) != 0) return SDR_OK;
+  const int same =
+      sdr_scene_load(path, NULL, 0, NULL, &there) == SDR_OK && there->hash == r->built.scene->hash;
+  sdr_scene_destroy(&there);
+  if (same) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT,
+                  "the results in %s are of another scene, so they cannot be continued; give the "
+                  "scene, --variant and --set that they were made with (see used.yaml there), or "
+                  "another directory with -o",
+                  r->directory);
+}
+
 static sdr_status set_up(run *r, const sdr_run_options *options)
 {
   SDR_TRY(
@@ -310,6 +346,7 @@ static sdr_status set_up(run *r, const sdr_run_options *options)
   if (options->threads > 0) sdr_set_threads(options->threads);
   SDR_TRY(sdr_run_check_figures(r->built.scene));
   SDR_TRY(name_directory(r, options));
+  if (options->resume) SDR_TRY(check_same_scene(r));
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
   if (r->built.warning[0] && !options->quiet)
     fprintf(stderr, "sunder: warning: %s\n", r->built.warning);
@@ -317,6 +354,7 @@ static sdr_status set_up(run *r, const sdr_run_options *options)
   SDR_TRY(make_observers(r, options));
   SDR_TRY(begin(r, options));
   /* Not before a checkpoint is known to fit: what lies there may be another scene's. */
+  SDR_TRY(sdr_rundir_write(r->directory, "used.yaml", r->built.scene->used_yaml));
   r->setup = wall() - r->started;
   return SDR_OK;
 }

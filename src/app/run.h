@@ -9,7 +9,7 @@
 typedef struct {
   const char *scene;     /* path of the scene's file */
   const char *variant;   /* NULL: none */
-  const char *directory; /* NULL: the scene's, or out/<scene>[-variant] */
+  const char *directory; /* NULL: the checkpoint's, the scene's, or out/<scene>[-variant] */
   const char *resume;    /* a checkpoint; NULL: start at t = 0 */
   int set_count;
   const char *const *sets; /* "path=value" */

@@ -240,7 +240,16 @@ static sdr_status read_block(sdr_hdf *file, const char *path, block *b)
   return SDR_OK;
 }
 
-static sdr_status read_file(sdr_hdf *file, const char *path, plan *p, const item items[ITEMS])
+static sdr_status check_end(const char *path, const standing *then, const sdr_moment *moment)
+{
+  if (then->step <= moment->steps) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT,
+                  "%s is at t = %g s, past this run's end at t = %g s; give a later time.end", path,
+                  then->time, moment->end);
+}
+
+static sdr_status read_file(sdr_hdf *file, const char *path, plan *p, const item items[ITEMS],
+                            const sdr_moment *moment)
 {
   const sdr_hdf_shape single = {SDR_HDF_INT64, 0, 1, 1};
   uint64_t sum = checksum_start;
@@ -253,7 +262,7 @@ static sdr_status read_file(sdr_hdf *file, const char *path, plan *p, const item
   }
   if (sdr_hdf_read(file, "checksum", single, &stored) != SDR_OK || (uint64_t)stored != sum)
     return fail_not_whole(path);
-  return SDR_OK;
+  return check_end(path, p->blocks[0].read, moment);
 }
 
 static void take_over(const plan *p, const standing *now, sdr_moment *moment)
@@ -290,7 +299,7 @@ sdr_status sdr_checkpoint_read(const char *path, sdr_moment *moment, const char 
   sdr_status status = sdr_hdf_open(path, 0, &file);
   if (status == SDR_BAD_INPUT) fail_not_whole(path);
   if (status == SDR_OK) status = make_plan(&p, &now, moment->system, observers, observer_count);
-  if (status == SDR_OK) status = read_file(file, path, &p, items);
+  if (status == SDR_OK) status = read_file(file, path, &p, items, moment);
   sdr_hdf_discard(&file);
   if (status == SDR_OK) take_over(&p, &now, moment);
   plan_free(&p);
