@@ -519,6 +519,6 @@ size_t sdr_bond_based_history_bytes(const sdr_model *model)
   const sdr_bond_model *bond = (const sdr_bond_model *)model;
   const size_t slots = (size_t)(bond->bonds->run_slots + bond->bonds->loose.slot_count);
   return bond->body.law == SDR_LAW_VARIATIONAL                ? slots * sizeof(float)
-         : bond->body.flags != NULL || bond->body.loose_flags ? slots
+         : bond->body.flags != NULL || bond->body.loose_flags ? slots * sizeof(sdr_flags)
                                                               : 0;
 }

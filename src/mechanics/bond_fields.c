@@ -120,7 +120,8 @@ static void add_stress(const void *context, const sdr_pair *pair, int32_t point,
   }
   const double stiffness = pair->weight_ij * left_i * sdr_body_stiffness(body, pair->i) +
                            pair->weight_ji * left_j * sdr_body_stiffness(body, pair->j);
-  const double factor = stiffness * s / (pair->length * (1.0 + s)); /* C s / l */
+  const double l = pair->length * (1.0 + s);
+  const double factor = l > 0.0 ? stiffness * s / l : 0.0; /* C s / l; l = 0 has no direction */
   double f[3] = {0.0};
   (void)sign; /* f and xi both turn with the point */
   for (int a = 0; a < n; ++a)
