@@ -205,6 +205,15 @@ static const command_entry commands[] = {
 
 static sdr_status call_command(int count, char **words)
 {
+  if (strcmp(words[1], "--help") == 0 || strcmp(words[1], "-h") == 0 ||
+      strcmp(words[1], "help") == 0) {
+    fputs(usage, stdout);
+    return SDR_OK;
+  }
+  if (strcmp(words[1], "--version") == 0) {
+    printf("sunder %s\n", SUNDER_VERSION);
+    return SDR_OK;
+  }
   for (size_t k = 0; k < sizeof commands / sizeof *commands; ++k) {
     command_line line = {0};
     if (strcmp(words[1], commands[k].name) != 0) continue;
@@ -235,15 +244,6 @@ int main(int count, char **words)
   if (count < 2) {
     fputs(usage, stderr);
     return SDR_BAD_INPUT;
-  }
-  if (strcmp(words[1], "--help") == 0 || strcmp(words[1], "-h") == 0 ||
-      strcmp(words[1], "help") == 0) {
-    fputs(usage, stdout);
-    return 0;
-  }
-  if (strcmp(words[1], "--version") == 0) {
-    printf("sunder %s\n", SUNDER_VERSION);
-    return 0;
   }
   limit_spinning(words);
   sdr_status status = call_command(count, words);
