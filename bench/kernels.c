@@ -1,0 +1,382 @@
+/* time of a bond in a step: plain reference, loose pairs, runs, beside what the machine allows */
+#include "app/plot_gnuplot.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "support/body.h"
+#include "support/floor.h"
+#include "support/plain_reference.h"
+#include "support/report.h"
+#include "time/integrator.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Ways to hold bonds. LATTICE: points in the order of lattice rows. RANDOM: they come shuffled; the
+   plain reference takes them as they are, the library sorts them along a curve. */
+typedef enum {
+  PLAIN_LATTICE,
+  PLAIN_RANDOM,
+  LOOSE_LATTICE,
+  LOOSE_RANDOM,
+  RUNS,
+  FLOOR, /* loads and stores of RUNS alone */
+  FORMS
+} form;
+
+static const char *const form_name[FORMS] = {"plain, lattice", "plain, random", "loose, lattice",
+                                             "loose, random",  "runs",          "floor of runs"};
+static const char *const law_name[3] = {"none", "variational", "critical"};
+static const char *const body_name[2] = {"plane stress", "3-D"};
+
+enum { ISAS = 3, MOST_ROUNDS = 15, LAWS = 3 };
+static const char *const isa_name[ISAS] = {"baseline", "avx2", "avx512"};
+
+/* Median and least of the rounds, ns a directed bond and step; NAN: not measured. */
+typedef struct {
+  double median, least;
+} timing;
+
+/* By body, law, moduli (0 shared, 1 a point), threads - 1, instruction set, form. */
+typedef struct {
+  timing time[2][LAWS][2][2][ISAS][FORMS];
+  double worst; /* largest difference of a force from the plain reference, over the largest force */
+  double triad[2];
+  int32_t points[2];
+  int64_t bonds[2];
+  int rounds, best_isa, threads;
+} figures;
+
+/* ---- what is compared ------------------------------------------------------------------------ */
+
+typedef struct {
+  bench_body lattice, loose, random; /* the bodies of RUNS, LOOSE_LATTICE, LOOSE_RANDOM */
+  bench_plain plain, plain_random;
+} bodies;
+
+static void destroy_bodies(bodies *all)
+{
+  bench_body_destroy(&all->lattice);
+  bench_body_destroy(&all->loose);
+  bench_body_destroy(&all->random);
+  bench_plain_destroy(&all->plain);
+  bench_plain_destroy(&all->plain_random);
+}
+
+static sdr_status create_bodies(bench_how how, bodies *all)
+{
+  SDR_TRY(bench_body_create(&how, &all->lattice));
+  SDR_TRY(bench_plain_create(&all->lattice, 0, &all->plain));
+  SDR_TRY(bench_plain_create(&all->lattice, 1, &all->plain_random));
+  how.loose = 1;
+  SDR_TRY(bench_body_create(&how, &all->loose));
+  how.shuffled = 1;
+  return bench_body_create(&how, &all->random);
+}
+
+static bench_body *body_of(bodies *all, form which)
+{
+  return which == LOOSE_LATTICE  ? &all->loose
+         : which == LOOSE_RANDOM ? &all->random
+                                 : &all->lattice;
+}
+
+static sdr_status take_step(bodies *all, form which)
+{
+  bench_body *body = body_of(all, which);
+  if (which == PLAIN_LATTICE) bench_plain_step(&all->plain, all->lattice.step);
+  if (which == PLAIN_RANDOM) bench_plain_step(&all->plain_random, all->lattice.step);
+  if (which == FLOOR) bench_floor_step(body);
+  if (which < LOOSE_LATTICE || which == FLOOR) return SDR_OK;
+  return sdr_leapfrog.step(body->system, body->step);
+}
+
+/* Largest difference of a body's force from the plain reference's, over the largest force. */
+static double force_error(const bodies *all, const bench_body *body)
+{
+  double largest = 0.0, error = 0.0;
+  for (int a = 0; a < body->system->components; ++a)
+    for (int32_t i = 0; i < body->system->count; ++i) {
+      const double right = all->plain.f[a][body->original ? body->original[i] : i];
+      largest = fmax(largest, fabs(right));
+      error = fmax(error, fabs(body->system->f[a][i] - right));
+    }
+  return error / largest;
+}
+
+/* Have the body use the kernels of an instruction set. */
+static sdr_status use_isa(bench_body *body, int isa)
+{
+  SDR_TRY(sdr_isa_limit(isa_name[isa]));
+  ((sdr_bond_model *)body->model)->kernels = sdr_bond_kernels_best();
+  return SDR_OK;
+}
+
+/* All forces of the start are computed anew and compared with the plain reference. */
+static sdr_status check_forces(bodies *all, figures *out)
+{
+  for (int isa = 0; isa <= out->best_isa; ++isa)
+    for (form which = LOOSE_LATTICE; which <= RUNS; ++which) {
+      bench_body *body = body_of(all, which);
+      SDR_TRY(use_isa(body, isa));
+      SDR_TRY(bench_body_restart(body));
+      out->worst = fmax(out->worst, force_error(all, body));
+    }
+  return SDR_OK;
+}
+
+/* ---- measuring ------------------------------------------------------------------------------- */
+
+typedef struct {
+  form which;
+  int isa, steps;
+  double seconds[MOST_ROUNDS]; /* a step */
+} contestant;
+
+static int by_size(const void *a, const void *b)
+{
+  const double left = *(const double *)a, right = *(const double *)b;
+  return (left > right) - (left < right);
+}
+
+static sdr_status time_steps(bodies *all, const contestant *c, double *seconds)
+{
+  if (c->which >= LOOSE_LATTICE && c->which <= RUNS)
+    SDR_TRY(use_isa(body_of(all, c->which), c->isa));
+  const double from = bench_clock();
+  for (int k = 0; k < c->steps; ++k) SDR_TRY(take_step(all, c->which));
+  *seconds = (bench_clock() - from) / c->steps;
+  if (c->which != FLOOR) return SDR_OK;
+  const bench_body *body = &all->lattice; /* its forces are spoiled */
+  return sdr_system_force(body->system, 0.0, body->step, body->step);
+}
+
+/* On two threads only the best instruction set; forms without a choice count as the best. */
+static int list_contestants(const figures *out, int threads, contestant list[ISAS * FORMS])
+{
+  int count = 0;
+  for (form which = PLAIN_LATTICE; which < FORMS; ++which)
+    for (int isa = 0; isa <= out->best_isa; ++isa) {
+      const int choice = which >= LOOSE_LATTICE && which <= RUNS && threads == 1;
+      if (choice || isa == out->best_isa)
+        list[count++] = (contestant){.which = which, .isa = isa, .steps = 1};
+    }
+  return count;
+}
+
+/* Time every contestant once a round, so that what disturbs the machine disturbs all alike. */
+static sdr_status measure(bodies *all, int threads, figures *out, timing result[ISAS][FORMS])
+{
+  contestant list[ISAS * FORMS];
+  const int count = list_contestants(out, threads, list);
+  const double enough = 0.02; /* s a measurement */
+  sdr_set_threads(threads);
+  for (int round = -1; round < out->rounds; ++round)
+    for (int k = 0; k < count; ++k) {
+      double seconds;
+      SDR_TRY(time_steps(all, &list[k], &seconds));
+      if (round < 0)
+        list[k].steps = (int)fmin(100.0, fmax(1.0, ceil(enough / seconds)));
+      else
+        list[k].seconds[round] = seconds;
+    }
+  const double bonds = (double)all->lattice.model->bonds;
+  for (int k = 0; k < count; ++k) {
+    qsort(list[k].seconds, (size_t)out->rounds, sizeof(double), by_size);
+    result[list[k].isa][list[k].which] =
+        (timing){list[k].seconds[out->rounds / 2] * 1e9 / bonds, list[k].seconds[0] * 1e9 / bonds};
+  }
+  return SDR_OK;
+}
+
+static sdr_status measure_case(const bench_how *how, figures *out)
+{
+  bodies all = {0};
+  const int b = how->dimension - 2;
+  fprintf(stderr, "%s, %s, %s moduli ...\n", body_name[b], law_name[how->law],
+          how->scattered ? "scattered" : "shared");
+  sdr_status status = create_bodies(*how, &all);
+  if (status == SDR_OK) status = check_forces(&all, out);
+  for (int threads = 1; status == SDR_OK && threads <= out->threads; ++threads)
+    status = measure(&all, threads, out, out->time[b][how->law][how->scattered][threads - 1]);
+  if (status == SDR_OK) {
+    out->points[b] = all.lattice.points->count;
+    out->bonds[b] = all.lattice.model->bonds;
+  }
+  destroy_bodies(&all);
+  return status;
+}
+
+static sdr_status measure_all(int quick, figures *out)
+{
+  timing *const all = &out->time[0][0][0][0][0][0];
+  for (size_t k = 0; k < sizeof out->time / sizeof(timing); ++k)
+    all[k] = (timing){(double)NAN, (double)NAN};
+  out->rounds = quick ? 3 : 7;
+  out->threads = sdr_threads() > 1 ? 2 : 1;
+  while (out->best_isa + 1 < ISAS && sdr_isa_limit(isa_name[out->best_isa + 1]) == SDR_OK)
+    ++out->best_isa;
+  for (int threads = 1; threads <= out->threads; ++threads) {
+    sdr_set_threads(threads);
+    out->triad[threads - 1] = bench_triad();
+  }
+  bench_how how = {.spacing = quick ? 1e-3 : 0.5e-3, .edge = quick ? 32 : 48};
+  for (how.dimension = 2; how.dimension <= 3; ++how.dimension)
+    for (int law = 0; law < LAWS; ++law)
+      for (how.scattered = 0; how.scattered < 2; ++how.scattered) {
+        how.law = (sdr_law)law;
+        SDR_TRY(measure_case(&how, out));
+      }
+  return SDR_OK;
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static void print_row(const figures *f, int b, int law, int moduli, int threads)
+{
+  const timing *t = f->time[b][law][moduli][threads - 1][f->best_isa];
+  double ns[FORMS];
+  for (int k = 0; k < FORMS; ++k) ns[k] = t[k].median;
+  printf("  %-12s %-11s %-9s", body_name[b], law_name[law], moduli ? "scattered" : "shared");
+  for (int k = 0; k < FORMS; ++k) printf("%9.2f", ns[k]);
+  printf("%9.1f%7.1f%9.1f\n", ns[PLAIN_LATTICE] / ns[LOOSE_LATTICE], ns[PLAIN_LATTICE] / ns[RUNS],
+         ns[RUNS] / ns[FLOOR]);
+}
+
+static void print_threads(const figures *f, int threads)
+{
+  printf("\n%s, %s: ns a directed bond and step (median of %d)\n"
+         "  %-12s %-11s %-9s    plain    plain    loose    loose     runs    floor"
+         "  plain/ plain/    runs/\n"
+         "  %-12s %-11s %-9s  lattice   random  lattice   random          of runs"
+         "    loose   runs    floor\n",
+         threads == 1 ? "One core" : "Two cores", isa_name[f->best_isa], f->rounds, "", "", "",
+         "body", "law", "moduli");
+  for (int b = 0; b < 2; ++b)
+    for (int law = 0; law < LAWS; ++law)
+      for (int moduli = 0; moduli < 2; ++moduli) print_row(f, b, law, moduli, threads);
+}
+
+static void print_isas(const figures *f)
+{
+  printf("\nOne core, scattered moduli, by instruction set: ns a directed bond and step\n  %-24s",
+         "");
+  for (form k = LOOSE_LATTICE; k <= RUNS; ++k) printf("  %-27s", form_name[k]);
+  printf("\n  %-12s %-11s", "body", "law");
+  for (int k = 0; k < 3; ++k) printf(" %9s%9s%9s ", isa_name[0], isa_name[1], isa_name[2]);
+  fputc('\n', stdout);
+  for (int b = 0; b < 2; ++b)
+    for (int law = 0; law < LAWS; ++law) {
+      printf("  %-12s %-11s", body_name[b], law_name[law]);
+      for (form k = LOOSE_LATTICE; k <= RUNS; ++k) {
+        fputc(' ', stdout);
+        for (int isa = 0; isa < ISAS; ++isa) printf("%9.2f", f->time[b][law][1][0][isa][k].median);
+        fputc(' ', stdout);
+      }
+      fputc('\n', stdout);
+    }
+}
+
+static void print_all(const figures *f)
+{
+  for (int b = 0; b < 2; ++b)
+    printf("%s%s: %d points, %lld directed bonds, %.1f a point\n", b ? "" : "\n", body_name[b],
+           f->points[b], (long long)f->bonds[b], (double)f->bonds[b] / f->points[b]);
+  for (int threads = 1; threads <= f->threads; ++threads) print_threads(f, threads);
+  print_isas(f);
+  printf("\nTriad bandwidth: %.1f GB/s on one core", f->triad[0] * 1e-9);
+  if (f->threads > 1) printf(", %.1f GB/s on two", f->triad[1] * 1e-9);
+  printf("\nForces agree with the plain reference to %.1e of the largest force\n%s\n", f->worst,
+         bench_origin());
+}
+
+static sdr_status write_csv(const figures *f, const char *directory)
+{
+  FILE *csv;
+  SDR_TRY(bench_csv(directory, "kernels", &csv));
+  fprintf(csv, "# triad, bytes/s: %.4g %.4g\n", f->triad[0], f->triad[1]);
+  fputs("body,points,bonds,law,moduli,threads,isa,form,median_ns,least_ns\n", csv);
+  for (int b = 0; b < 2; ++b)
+    for (int k = 0; k < LAWS * 2 * 2 * ISAS * FORMS; ++k) {
+      const int which = k % FORMS, isa = k / FORMS % ISAS, threads = k / (FORMS * ISAS) % 2;
+      const int moduli = k / (FORMS * ISAS * 2) % 2, law = k / (FORMS * ISAS * 4);
+      const timing t = f->time[b][law][moduli][threads][isa][which];
+      if (isnan(t.median)) continue;
+      const int choice = which >= LOOSE_LATTICE && which <= RUNS;
+      fprintf(csv, "%s,%d,%lld,%s,%s,%d,%s,\"%s\",%.4f,%.4f\n", body_name[b], f->points[b],
+              (long long)f->bonds[b], law_name[law], moduli ? "scattered" : "shared", threads + 1,
+              choice ? isa_name[isa] : "", form_name[which], t.median, t.least);
+    }
+  return fclose(csv) == 0 ? SDR_OK : sdr_fail(SDR_IO_ERROR, "%s: disk full", directory);
+}
+
+/* ---- picture --------------------------------------------------------------------------------- */
+
+/* Bars for the laws, scattered moduli; the forms side by side. */
+static void draw_panel(FILE *script, const figures *f, int b, int threads)
+{
+  static const char *const colour[FORMS] = {"#999999", "#cccccc", "#56b4e9",
+                                            "#0072b2", "#d55e00", "#000000"};
+  double most = 0.0;
+  fprintf(script, "$p%d%d << E\n", b, threads);
+  for (int law = 0; law < LAWS; ++law) {
+    fputs(law_name[law], script);
+    for (int k = 0; k < FORMS; ++k) {
+      const double ns = f->time[b][law][1][threads - 1][f->best_isa][k].median;
+      fprintf(script, " %.3f", ns);
+      most = fmax(most, ns);
+    }
+    fputc('\n', script);
+  }
+  fprintf(script, "E\nset title '%s, %s'\nset yrange [0:%g]\nset origin %g,%g\nplot ", body_name[b],
+          threads == 1 ? "one core" : "two cores", 1.3 * most, 0.5 * b, threads == 1 ? 0.5 : 0.0);
+  for (int k = 0; k < FORMS; ++k)
+    fprintf(script, "$p%d%d using %d:xtic(1) lc '%s' t '%s', ", b, threads, k + 2, colour[k],
+            form_name[k]);
+  for (int k = 0; k < FORMS; ++k)
+    fprintf(script,
+            "$p%d%d using ($0 + (%d - 2.5)/7.5):%d:(sprintf('%%.1f', $%d)) with labels font ',10' "
+            "offset 0,0.5 notitle, ",
+            b, threads, k, k + 2, k + 2);
+  fputc('\n', script);
+}
+
+static sdr_status draw(const figures *f, const char *directory)
+{
+  char path[2 * BENCH_PATH];
+  sdr_picture picture;
+  SDR_TRY(sdr_picture_begin(&picture, 1600, 1100, 20.0));
+  fputs("set tics nomirror\nset xtics\nset ytics\nset grid y lc '#e0e0e0'\nset border 3\n"
+        "set style data histograms\nset style histogram clustered gap 1.5\n"
+        "set style fill solid 1 noborder\nset key top center horizontal maxcols 3 font ',11' "
+        "samplen 1\n"
+        "set ylabel 'ns a directed bond and step'\nset size 0.5,0.5\n",
+        picture.script);
+  for (int threads = 1; threads <= f->threads; ++threads)
+    for (int b = 0; b < 2; ++b) draw_panel(picture.script, f, b, threads);
+  snprintf(path, sizeof path, "%s/kernels.png", directory);
+  return sdr_picture_end(&picture, path);
+}
+
+/* ---- main ------------------------------------------------------------------------------------ */
+
+int main(int count, char **words)
+{
+  static figures f;
+  const int quick = count == 2 && strcmp(words[1], "--quick") == 0;
+  char directory[BENCH_PATH];
+  if (count > 1 && !quick) {
+    fputs("usage: bench_kernels [--quick]\n--quick: smaller bodies, fewer repetitions\n", stderr);
+    return SDR_BAD_INPUT;
+  }
+  sdr_status status = bench_directory("kernels", directory);
+  if (status == SDR_OK) status = measure_all(quick, &f);
+  if (status == SDR_OK) {
+    print_all(&f);
+    status = write_csv(&f, directory);
+  }
+  if (status == SDR_OK) status = draw(&f, directory);
+  if (status == SDR_OK) printf("%s/kernels.csv\n%s/kernels.png\n", directory, directory);
+  if (status != SDR_OK) fprintf(stderr, "kernels: %s\n", sdr_error_message());
+  return (int)status;
+}
