@@ -47,17 +47,6 @@ static inline double sdr_variational_intact(double kk, double q)
   return q / (kk + q);
 }
 
-/* C_i (1-d_i)^2 + C_j (1-d_j)^2 with one division, in double and in float. */
-#define SDR_VARIATIONAL_PAIR(name, real)                                                           \
-  static inline real name(real kk, real c_i, real q_i, real c_j, real q_j)                         \
-  {                                                                                                \
-    const real a = kk + q_i, b = kk + q_j, both = (real)1 / (a * b);                               \
-    const real intact_i = q_i * b * both, intact_j = q_j * a * both;                               \
-    return c_i * (intact_i * intact_i) + c_j * (intact_j * intact_j);                              \
-  }
-SDR_VARIATIONAL_PAIR(sdr_variational_pair_double, double)
-SDR_VARIATIONAL_PAIR(sdr_variational_pair_float, float)
-
 /* d(C (1-d)^2 s)/ds over C on loading, s = k > 0: (1-d)^2 (1-4d). */
 static inline double sdr_variational_tangent(double kk, double q)
 {

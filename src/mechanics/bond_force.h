@@ -6,31 +6,50 @@
 /* Kinematics of a pair without cancellation (theory sec. 2): z = (2 xi.eta + eta^2)/xi^2,
    r = sqrt(1 + z) = l/|xi|, stretch s = z/(1 + r), force factor z/(r (1 + r)) = s/r. */
 typedef struct {
-  SDR_REAL s, factor;
+  SDR_REAL s, r;
 } SDR_NAMED(sdr_stretch);
 
+/* s without a division: r - 1 has lost digits where s is small; s^2 + 2 s = z gives them back by
+   half a Newton step, which is exact there and does nothing elsewhere. */
 SDR_INLINE SDR_NAMED(sdr_stretch) SDR_NAMED(stretch_of)(SDR_REAL z)
 {
-  const SDR_REAL one = (SDR_REAL)1, square = one + z;
+  const SDR_REAL one = (SDR_REAL)1, half = (SDR_REAL)0.5, square = one + z;
   /* l = 0: no direction, no force */
   const SDR_REAL r = SDR_SQRT(square > SDR_SMALLEST ? square : SDR_SMALLEST);
-  const SDR_REAL factor = z / (r * (one + r));
-  return (SDR_NAMED(sdr_stretch)){factor * r, factor};
+  const SDR_REAL rough = r - one;
+  return (SDR_NAMED(sdr_stretch)){rough + half * (z - rough * (rough + (SDR_REAL)2)), r};
 }
 
-/* Stiffness that a pair of the variational law has left, from its stretch and history. */
-SDR_INLINE SDR_REAL SDR_NAMED(variational_stiffness)(const int marked, SDR_REAL s, float k,
-                                                     SDR_REAL ci, SDR_REAL qi, SDR_REAL cj,
-                                                     SDR_REAL qj)
+SDR_INLINE SDR_REAL SDR_NAMED(force_factor)(SDR_REAL z, SDR_REAL r)
 {
-  const SDR_REAL kk = (SDR_REAL)k * (SDR_REAL)k, zero = (SDR_REAL)0;
-  const SDR_REAL soft = SDR_NAMED(sdr_variational_pair)(kk, ci, qi, cj, qj), whole = ci + cj;
-  SDR_REAL left = s > zero ? soft : whole;
+  return z / (r * ((SDR_REAL)1 + r));
+}
+
+/* Stiffness that a pair has left: `soft` under tension, `whole` else. */
+SDR_INLINE SDR_REAL SDR_NAMED(stiffness_left)(const int marked, SDR_REAL z, float k, SDR_REAL soft,
+                                              SDR_REAL whole)
+{
+  const SDR_REAL zero = (SDR_REAL)0;
+  SDR_REAL left = z > zero ? soft : whole;
   if (marked) {
     left = k == SDR_STRETCH_PROTECTED ? whole : left;
     left = k == SDR_STRETCH_CUT ? zero : left;
   }
   return left;
+}
+
+/* Stiffness times force factor of a pair of the variational law: the divisions by r (1 + r), by
+   k^2 + q_i and by k^2 + q_j are one. */
+SDR_INLINE SDR_REAL SDR_NAMED(variational_factor)(const int each, const int marked, SDR_REAL z,
+                                                  SDR_REAL r, float k, SDR_REAL ci, SDR_REAL qi,
+                                                  SDR_REAL cj, SDR_REAL qj)
+{
+  const SDR_REAL kk = (SDR_REAL)k * (SDR_REAL)k, one = (SDR_REAL)1;
+  const SDR_REAL a = kk + qi, b = each ? kk + qj : one, ab = a * b, rr = r * (one + r);
+  const SDR_REAL all = one / (rr * ab), by_r = ab * all, by_ab = rr * all;
+  const SDR_REAL intact_i = qi * b * by_ab, intact_j = each ? qj * a * by_ab : intact_i;
+  const SDR_REAL soft = ci * (intact_i * intact_i) + cj * (intact_j * intact_j);
+  return SDR_NAMED(stiffness_left)(marked, z, k, soft, ci + cj) * (z * by_r);
 }
 
 /* The history that a stretch leaves behind. */
@@ -55,11 +74,12 @@ SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(const int marked, sdr_flags before, 
   return grown;
 }
 
-/* Forces of a block into F, component-major; returns 1 if a bond was lost in it. */
+/* Forces of a block, onto f at once or, where i and j points overlap (a run along its own row) or
+   float forces wait to be widened, into F, component-major; returns 1 if a bond was lost in it. */
 SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const int each,
-                                      const int marked, const int commit, const sdr_bond_body *body,
-                                      const sdr_block *block, const sdr_bond_class *class,
-                                      SDR_REAL F[3][SDR_BLOCK])
+                                      const int marked, const int commit, const int overlap,
+                                      const sdr_bond_body *body, const sdr_block *block,
+                                      const sdr_bond_class *class, SDR_REAL F[3][SDR_BLOCK])
 {
   const double unit = SDR_LENGTH_UNIT(body), stiff = SDR_STIFFNESS_UNIT(body);
   const SDR_REAL xx = (SDR_REAL)(class->xi[0] / unit), xy = (SDR_REAL)(class->xi[1] / unit);
@@ -68,6 +88,7 @@ SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const
   const SDR_REAL wij = (SDR_REAL)(class->weight_ij * (unit / class->length) * stiff);
   const SDR_REAL wji = (SDR_REAL)(class->weight_ji * (unit / class->length) * stiff);
   const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
+  const double force_unit = SDR_FORCE_UNIT(body);
   sdr_flags fresh = 0;
 #pragma omp simd reduction(| : fresh)
   for (int k = 0; k < block->count; ++k) {
@@ -77,32 +98,46 @@ SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const
     SDR_REAL z = (two * xx + ex) * ex;
     if (components > 1) z += (two * xy + ey) * ey;
     if (components > 2) z += (two * xz + ez) * ez;
-    const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z * inverse);
+    z *= inverse;
+    const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
     const SDR_REAL ci = wij * (each ? block->SDR_NAMED(ci)[k] : c);
     const SDR_REAL cj = wji * (each ? block->SDR_NAMED(cj)[k] : c);
     const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
     const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
-    SDR_REAL stiffness = ci + cj;
+    SDR_REAL phi = zero;
     if (law == SDR_LAW_VARIATIONAL) {
       const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
       if (commit) block->stretch[k] = grown;
-      stiffness = each ? SDR_NAMED(variational_stiffness)(marked, t.s, grown, ci, qi, cj, qj)
-                       : SDR_NAMED(variational_stiffness)(marked, t.s, grown, ci + cj, q, zero,
-                                                          (SDR_REAL)1);
+      phi = SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
     } else if (law == SDR_LAW_CRITICAL_STRETCH) {
       const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
       if (commit) {
         block->flags[k] = grown;
         fresh |= grown;
       }
-      stiffness = (grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj);
-    } else if (marked) {
-      stiffness = block->flags[k] & SDR_CUT ? zero : stiffness;
+      phi = ((grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj)) *
+            SDR_NAMED(force_factor)(z, t.r);
+    } else {
+      phi = (ci + cj) * SDR_NAMED(force_factor)(z, t.r);
+      if (marked) phi = block->flags[k] & SDR_CUT ? zero : phi;
     }
-    const SDR_REAL phi = stiffness * t.factor;
-    F[0][k] = phi * (xx + ex);
-    if (components > 1) F[1][k] = phi * (xy + ey);
-    if (components > 2) F[2][k] = phi * (xz + ez);
+    const SDR_REAL fx = phi * (xx + ex), fy = phi * (xy + ey), fz = phi * (xz + ez);
+    if (overlap) {
+      F[0][k] = fx;
+      if (components > 1) F[1][k] = fy;
+      if (components > 2) F[2][k] = fz;
+    } else {
+      block->fi[0][k] += force_unit * (double)fx;
+      block->fj[0][k] -= force_unit * (double)fx;
+      if (components > 1) {
+        block->fi[1][k] += force_unit * (double)fy;
+        block->fj[1][k] -= force_unit * (double)fy;
+      }
+      if (components > 2) {
+        block->fi[2][k] += force_unit * (double)fz;
+        block->fj[2][k] -= force_unit * (double)fz;
+      }
+    }
   }
   return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
 }
@@ -131,14 +166,21 @@ SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, co
     const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const int marked = body->run_marked && body->run_marked[r];
+    const int32_t apart = run->j0 > run->i0 ? run->j0 - run->i0 : run->i0 - run->j0;
+    const int overlap = SDR_BUFFERED || apart < run->length;
     int fresh = 0;
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
       const sdr_block block = block_at(components, body, run, start, u, f);
       if (marked)
-        fresh |= SDR_NAMED(block_force)(components, law, each, 1, commit, body, &block, class, F);
+        fresh |=
+            SDR_NAMED(block_force)(components, law, each, 1, commit, 1, body, &block, class, F);
+      else if (overlap)
+        fresh |=
+            SDR_NAMED(block_force)(components, law, each, 0, commit, 1, body, &block, class, F);
       else
-        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, body, &block, class, F);
-      SDR_NAMED(add_block)(components, body, &block, F);
+        fresh |=
+            SDR_NAMED(block_force)(components, law, each, 0, commit, 0, body, &block, class, F);
+      if (marked || overlap) SDR_NAMED(add_block)(components, body, &block, F);
     }
     if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;
   }

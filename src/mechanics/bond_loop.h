@@ -72,6 +72,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #define SDR_NAMED(name) name##_double
 #define SDR_SQRT sqrt
 #define SDR_SMALLEST 1e-200
+#define SDR_BUFFERED 0
 #define SDR_LENGTH_UNIT(body) ((void)(body), 1.0)
 #define SDR_FORCE_UNIT(body) ((void)(body), 1.0)
 #define SDR_STIFFNESS_UNIT(body) ((void)(body), 1.0)
@@ -82,6 +83,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #undef SDR_NAMED
 #undef SDR_SQRT
 #undef SDR_SMALLEST
+#undef SDR_BUFFERED
 #undef SDR_LENGTH_UNIT
 #undef SDR_FORCE_UNIT
 #undef SDR_STIFFNESS_UNIT
@@ -94,6 +96,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #define SDR_NAMED(name) name##_float
 #define SDR_SQRT sqrtf
 #define SDR_SMALLEST 1e-30f
+#define SDR_BUFFERED 1
 #define SDR_LENGTH_UNIT(body) ((body)->length_unit)
 #define SDR_FORCE_UNIT(body) ((body)->force_unit)
 #define SDR_STIFFNESS_UNIT(body) ((body)->stiffness / (body)->force_unit)
@@ -143,11 +146,11 @@ typedef struct {
   double stored, dissipated, damage;
 } sdr_directed_energy;
 
+/* `intact`: 1 - d. */
 SDR_INLINE sdr_directed_energy variational_energy(const int marked, double half, double s, float k,
-                                                  double q)
+                                                  double q, double intact)
 {
-  const double intact = sdr_variational_intact((double)k * (double)k, q), damage = 1.0 - intact;
-  const double left = s > 0.0 ? intact * intact : 1.0;
+  const double damage = 1.0 - intact, left = s > 0.0 ? intact * intact : 1.0;
   sdr_directed_energy e = {half * left * s * s, half * q * damage * damage, damage};
   if (marked) {
     e.stored = k == SDR_STRETCH_CUT ? 0.0 : k == SDR_STRETCH_PROTECTED ? half * s * s : e.stored;
@@ -190,8 +193,10 @@ SDR_INLINE void energies_of_block(const int components, const int law, const int
     sdr_directed_energy i = {hi * s * s, 0.0, 0.0}, j = {hj * s * s, 0.0, 0.0};
     if (law == SDR_LAW_VARIATIONAL) {
       const float grown = grown_stretch_double(marked, b->stretch[k], s);
-      i = variational_energy(marked, hi, s, grown, qi);
-      j = variational_energy(marked, hj, s, grown, qj);
+      const double kk = (double)grown * (double)grown, a = kk + qi, c = kk + qj;
+      const double both = 1.0 / (a * c);
+      i = variational_energy(marked, hi, s, grown, qi, qi * c * both);
+      j = variational_energy(marked, hj, s, grown, qj, qj * a * both);
     } else if (law == SDR_LAW_CRITICAL_STRETCH || marked) {
       /* critical_stretch breaks in commit: the energies are those of the present bonds */
       i = flag_energy(hi, s, b->flags[k], SDR_LOST_I);
@@ -317,27 +322,29 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
         z += (2.0 * xz + ez) * ez;
         square += xz * xz;
       }
-      const sdr_stretch_double t = stretch_of_double(z / square);
+      z /= square;
+      const sdr_stretch_double t = stretch_of_double(z);
       const double ci = loose->weight_ij[slot] * (each ? body->stiffness_at[i] : c);
       const double cj = loose->weight_ji[slot] * (each ? body->stiffness_at[j] : c);
       const double qi = each ? body->threshold_at[i] : q, qj = each ? body->threshold_at[j] : q;
-      double stiffness = ci + cj;
+      double phi = 0.0;
       if (law == SDR_LAW_VARIATIONAL) {
         const float grown = grown_stretch_double(marked, body->loose_stretch[slot], t.s);
         if (commit) body->loose_stretch[slot] = grown;
-        stiffness = each ? variational_stiffness_double(marked, t.s, grown, ci, qi, cj, qj)
-                         : variational_stiffness_double(marked, t.s, grown, ci + cj, q, 0.0, 1.0);
+        phi = variational_factor_double(each, marked, z, t.r, grown, ci, qi, cj, qj);
       } else if (law == SDR_LAW_CRITICAL_STRETCH) {
         const sdr_flags grown = grown_flags_double(marked, body->loose_flags[slot], t.s, qi, qj);
         if (commit) {
           body->loose_flags[slot] = grown;
           fresh |= grown;
         }
-        stiffness = (grown & SDR_LOST_I ? 0.0 : ci) + (grown & SDR_LOST_J ? 0.0 : cj);
-      } else if (marked) {
-        stiffness = body->loose_flags[slot] & SDR_CUT ? 0.0 : stiffness;
+        phi = ((grown & SDR_LOST_I ? 0.0 : ci) + (grown & SDR_LOST_J ? 0.0 : cj)) *
+              force_factor_double(z, t.r);
+      } else {
+        phi = (ci + cj) * force_factor_double(z, t.r);
+        if (marked) phi = body->loose_flags[slot] & SDR_CUT ? 0.0 : phi;
       }
-      const double phi = stiffness * t.factor / sqrt(square);
+      phi /= sqrt(square);
       sum[0][lane] += phi * (xx + ex);
       if (components > 1) sum[1][lane] += phi * (xy + ey);
       if (components > 2) sum[2][lane] += phi * (xz + ez);
