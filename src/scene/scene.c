@@ -168,8 +168,7 @@ static void check_variants_block(sdr_reader *reader, const sdr_node *root)
 
 static void read_top(sdr_reading *rd)
 {
-  static const char *const precisions[] = {"double", NULL};
-  static const char *const later[] = {"mixed", NULL};
+  static const char *const precisions[] = {"double", "mixed", NULL};
   sdr_reader *r = rd->reader;
   int64_t threads = 0;
   sdr_read_text(r, rd->root, "title", rd->scene->name, rd->scene->title, sizeof rd->scene->title);
@@ -179,7 +178,7 @@ static void read_top(sdr_reading *rd)
   } else if (sdr_read_integer(r, rd->root, "threads", 0, 256, "0", &threads)) {
     rd->scene->threads = (int)threads;
   }
-  sdr_read_word(r, rd->root, "precision", precisions, later, "double", &rd->scene->mixed);
+  sdr_read_word(r, rd->root, "precision", precisions, NULL, "double", &rd->scene->mixed);
 }
 
 /* Regions need the dimension, places the regions and the body, output the time. */
