@@ -50,10 +50,10 @@ static void energies_of_stripe(void *context, int s)
   const sdr_bonds *bonds = model->bonds;
   const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
   sdr_stripe_energies *sum = &call->stripe[s];
-  if (sdr_stripe_rests(model, s)) return;
-  model->kernels->run_energies[model->body.law][n - 1][each](
-      &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
-  if (bonds->loose.chunk_count > 0) {
+  if (!sdr_stripe_rests(model, s))
+    model->kernels->run_energies[model->body.law][n - 1][each](
+        &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
+  if (bonds->loose.chunk_count > 0) { /* loose pairs join any stripes: theirs may not rest */
     slot_call slot = {call, sum};
     sdr_bonds_visit_stripe(bonds, model->head.points, s, visit_slot, &slot);
   }
