@@ -268,7 +268,7 @@ static void print_results(const run *r, const sdr_summary *s, const ring_counts 
     fprintf(out, "fragments           %d, the largest with %.3g %% of the points\n",
             (int)s->fragments.count, 100.0 * (double)s->fragments.largest / (double)s->points);
   if (ring->known)
-    fprintf(out, "through-cracks      %d; they part the ring into %d sectors\n", (int)ring->cracks,
+    fprintf(out, "through-cracks      %d; sectors that have come apart: %d\n", (int)ring->cracks,
             (int)ring->sectors);
   fprintf(out,
           "energy              kinetic %.5g J, stored %.5g J, dissipated %.5g J, work %.5g J\n",
