@@ -1,36 +1,8 @@
 /* time: the stability limit against closed forms and dense eigenvalues. */
-#include "support/body.h"
+#include "support/still_body.h"
 #include "time/stable_step.h"
 
 #include <gsl/gsl_eigen.h>
-
-static const double density[2] = {2500.0, 4000.0};
-
-typedef struct {
-  body body;
-  sdr_scene scene; /* no loads, no supports */
-  sdr_loads *loads;
-  sdr_supports *supports;
-  sdr_system *system;
-} still_body;
-
-static void still_create(const body_how *how, still_body *s)
-{
-  *s = (still_body){.body = body_create(how)};
-  s->scene.dimension = how->dimension;
-  assert_int_equal(sdr_loads_create(&s->scene, s->body.points, &s->loads), SDR_OK);
-  assert_int_equal(sdr_supports_create(&s->scene, s->body.points, &s->supports), SDR_OK);
-  assert_int_equal(sdr_system_create(s->body.model, density, s->loads, s->supports, &s->system),
-                   SDR_OK);
-}
-
-static void still_destroy(still_body *s)
-{
-  sdr_system_destroy(&s->system);
-  sdr_supports_destroy(&s->supports);
-  sdr_loads_destroy(&s->loads);
-  body_destroy(&s->body);
-}
 
 /* Never high (but by rounding), low by at most 0.5 %. */
 static void assert_limit(double limit, double exact)
@@ -51,7 +23,7 @@ static void a_chain_has_the_closed_forms_limit(void **state)
       still_body s;
       double limit;
       still_create(&how, &s);
-      const double speed = sqrt(body_young / density[0]); /* sqrt(k/m) dx */
+      const double speed = sqrt(body_young / still_density[0]); /* sqrt(k/m) dx */
       const double omega =
           2.0 * speed / body_spacing * cos(3.14159265358979323846 / (2.0 * counts[k]));
       assert_int_equal(sdr_stable_step(s.system, &limit), SDR_OK);
@@ -137,7 +109,7 @@ static void the_limit_is_not_gershgorins(void **state)
     for (int x = -3; x <= 3; ++x)
       if ((x || y) && hypot(x, y) < 3.015) sum += 1.0 / (hypot(x, y) * body_spacing);
   const double c = body_micromodulus(&s.body, 0);
-  const double omega2 = 2.0 * 2.0 * c * sum * family->volume / density[0];
+  const double omega2 = 2.0 * 2.0 * c * sum * family->volume / still_density[0];
   assert_near(limit / (2.0 / sqrt(omega2)), 1.67, 0.02);
   still_destroy(&s);
 }
