@@ -127,28 +127,39 @@ static int run_and_kill(const char *command, const char *checkpoint, long micros
 
 enum { MOST_KILLS = 4 };
 
-/* `scene` undisturbed on one thread; then killed at some moments, on 2 and 1 threads in turn. */
-static void kill_and_compare(const char *scene)
+/* Kill the run of `scene` into `broken`, which lasts so many seconds, at some moments, on 2 and 1
+   threads in turn, and let it end. How often it was killed. */
+static int kill_often(const char *scene, double lasts)
 {
   static unsigned seed = 2026;
   char command[1500];
   said s;
   int kills = 0;
-  snprintf(command, sizeof command, "rm -rf whole broken; sunder run %s --threads 1 -o whole",
-           scene);
-  const double from = now();
-  succeed(&s, command);
-  const double lasts = now() - from;
+  succeed(&s, "rm -rf broken");
   snprintf(command, sizeof command, "sunder run %s --threads 2 -o broken", scene);
   for (; kills < MOST_KILLS; ++kills) {
     seed = seed * 1664525U + 1013904223U;
     const double share = (double)(seed >> 8) / (1 << 24);
     if (!run_and_kill(command, "broken/checkpoint.h5", (long)(0.3e6 * share * lasts))) break;
-    assert_false(exists("broken/summary.json"));
+    if (exists("broken/summary.json")) break; /* it had all but ended */
     snprintf(command, sizeof command, "sunder run %s --threads %d --resume broken/checkpoint.h5",
              scene, 1 + kills % 2);
   }
   if (kills == MOST_KILLS) succeed(&s, command);
+  return kills;
+}
+
+static void kill_and_compare(const char *scene)
+{
+  char command[1500];
+  said s;
+  int kills = 0;
+  snprintf(command, sizeof command, "rm -rf whole; sunder run %s --threads 1 -o whole", scene);
+  const double from = now();
+  succeed(&s, command);
+  const double lasts = now() - from;
+  /* on a busy machine a run may end before this program wakes up to kill it */
+  for (int attempt = 0; attempt < 10 && kills == 0; ++attempt) kills = kill_often(scene, lasts);
   assert_true(kills > 0);
   assert_same_runs("whole", "broken");
 
@@ -169,6 +180,12 @@ static void variational_damage_goes_on_with_the_same_bits(void **state)
 {
   (void)state;
   kill_and_compare(RING);
+}
+
+static void mixed_precision_goes_on_with_the_same_bits(void **state)
+{
+  (void)state;
+  kill_and_compare(RING " --set precision=mixed");
 }
 
 static void critical_stretch_goes_on_with_the_same_bits(void **state)
@@ -240,6 +257,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(variational_damage_goes_on_with_the_same_bits),
+      cmocka_unit_test(mixed_precision_goes_on_with_the_same_bits),
       cmocka_unit_test(critical_stretch_goes_on_with_the_same_bits),
       cmocka_unit_test(an_elastic_body_goes_on_with_the_same_bits),
       cmocka_unit_test(supports_go_on_with_the_same_bits),
