@@ -1,5 +1,6 @@
 /* The instances of the bond loops, and their table. Compiled once for each instruction set. */
 #include "mechanics/bond_loop.h"
+#include "mechanics/bond_loose.h"
 
 #ifndef SDR_ISA
 #define SDR_ISA baseline

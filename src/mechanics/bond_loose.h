@@ -1,0 +1,131 @@
+/* Forces of loose pairs. Both points of a pair compute it, with the same bits, so that each writes
+   to itself alone; the eight points of a chunk are the lanes. Lengths themselves are taken by
+   square root, not their ratio, so that one division gives the force (two with the variational law,
+   whose history stores the stretch). */
+#ifndef SDR_MECHANICS_BOND_LOOSE_H
+#define SDR_MECHANICS_BOND_LOOSE_H
+
+#include "mechanics/bond_loop.h"
+
+/* A pair: grown = l^2 - L^2 and both = L (L + l), so that the stretch is grown/both; l; C and q of
+   its points, C times weight. */
+typedef struct {
+  double grown, both, now, ci, cj, qi, qj;
+} sdr_loose_pair;
+
+/* Force over the vector from point to point, variational law; takes the stretch into *history. */
+SDR_INLINE double loose_variational(const int each, const int marked, const int commit,
+                                    const sdr_loose_pair *p, float *history)
+{
+  const double s = p->grown / p->both, whole = p->ci + p->cj;
+  const float k = grown_stretch_double(marked, *history, s);
+  if (commit) *history = k;
+  const double kk = (double)k * (double)k, a = kk + p->qi, b = each ? kk + p->qj : 1.0;
+  const double all = 1.0 / (p->now * (a * b)), by_ab = p->now * all;
+  const double intact_i = p->qi * b * by_ab, intact_j = each ? p->qj * a * by_ab : intact_i;
+  const double soft = p->ci * (intact_i * intact_i) + p->cj * (intact_j * intact_j);
+  return stiffness_left_double(marked, s, k, soft, whole) * s * (a * b * all);
+}
+
+/* What critical stretch leaves of the pair's stiffness; *fresh collects its flags. */
+SDR_INLINE double loose_critical(const int marked, const int commit, const sdr_loose_pair *p,
+                                 sdr_flags *flags, sdr_flags *fresh)
+{
+  const double square = p->grown * p->grown, limit = p->both * p->both;
+  const sdr_flags before = *flags;
+  const sdr_flags broken = (p->grown > 0.0 && square > p->qi * limit ? SDR_LOST_I : 0) |
+                           (p->grown > 0.0 && square > p->qj * limit ? SDR_LOST_J : 0);
+  const sdr_flags lost = broken & ~before;
+  sdr_flags after = before | lost | lost << 2;
+  if (marked) after = before & SDR_PROTECTED ? before : after;
+  if (commit) {
+    *flags = after;
+    *fresh |= after;
+  }
+  return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
+}
+
+/* One column of a chunk: a slot of each of its points. Flags are collected lane by lane: as one
+   number for all lanes gcc would leave the loop scalar. */
+SDR_INLINE void force_of_column(const int components, const int law, const int each,
+                                const int marked, const int commit, const sdr_bond_body *body,
+                                int64_t point, int64_t column, double *const u[3],
+                                double sum[3][SDR_LANES], sdr_flags fresh[SDR_LANES])
+{
+  const sdr_loose *loose = &body->bonds->loose;
+  const int32_t *const restrict neighbour = loose->j + column;
+  const double c = body->stiffness, q = body->threshold;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane, i = point + lane;
+    const int32_t j = neighbour[lane];
+    const double xx = loose->xi[0][slot];
+    const double xy = components > 1 ? loose->xi[1][slot] : 0.0;
+    const double xz = components > 2 ? loose->xi[2][slot] : 0.0;
+    const double ex = u[0][j] - u[0][i];
+    const double ey = components > 1 ? u[1][j] - u[1][i] : 0.0;
+    const double ez = components > 2 ? u[2][j] - u[2][i] : 0.0;
+    double grown = (2.0 * xx + ex) * ex, square = xx * xx;
+    if (components > 1) {
+      grown += (2.0 * xy + ey) * ey;
+      square += xy * xy;
+    }
+    if (components > 2) {
+      grown += (2.0 * xz + ez) * ez;
+      square += xz * xz;
+    }
+    const double present = square + grown, length = sqrt(square);
+    const double now = sqrt(present > 1e-200 ? present : 1e-200); /* l = 0: no direction */
+    const sdr_loose_pair pair = {grown,
+                                 length * (length + now),
+                                 now,
+                                 loose->weight_ij[slot] * (each ? body->stiffness_at[i] : c),
+                                 loose->weight_ji[slot] * (each ? body->stiffness_at[j] : c),
+                                 each ? body->threshold_at[i] : q,
+                                 each ? body->threshold_at[j] : q};
+    double phi = 0.0;
+    if (law == SDR_LAW_VARIATIONAL) {
+      phi = loose_variational(each, marked, commit, &pair, &body->loose_stretch[slot]);
+    } else {
+      double left = pair.ci + pair.cj;
+      if (law == SDR_LAW_CRITICAL_STRETCH)
+        left = loose_critical(marked, commit, &pair, &body->loose_flags[slot], &fresh[lane]);
+      else if (marked)
+        left = body->loose_flags[slot] & SDR_CUT ? 0.0 : left;
+      phi = left * grown / (pair.both * now);
+    }
+    sum[0][lane] += phi * (xx + ex);
+    if (components > 1) sum[1][lane] += phi * (xy + ey);
+    if (components > 2) sum[2][lane] += phi * (xz + ez);
+  }
+}
+
+SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
+                               const int marked, const int commit, const sdr_bond_body *body,
+                               int64_t chunk, double *const u[3], double *const f[3])
+{
+  const int64_t *const slot = body->bonds->loose.chunk_slot + chunk;
+  const int64_t point = chunk * SDR_LANES;
+  _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
+  _Alignas(64) sdr_flags fresh[SDR_LANES] = {0};
+  for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
+    force_of_column(components, law, each, marked, commit, body, point, column, u, sum, fresh);
+  for (int a = 0; a < components; ++a)
+    for (int lane = 0; lane < SDR_LANES; ++lane) f[a][point + lane] += sum[a][lane];
+  if (law != SDR_LAW_CRITICAL_STRETCH || !commit) return;
+  for (int lane = 0; lane < SDR_LANES; ++lane)
+    if (fresh[lane] & (SDR_FRESH_I | SDR_FRESH_J)) body->chunk_fresh[chunk] = 1;
+}
+
+SDR_INLINE void force_of_loose(const int components, const int law, const int each,
+                               const int commit, const sdr_bond_body *body, int64_t first,
+                               int64_t end, double *const u[3], double *const f[3])
+{
+  for (int64_t chunk = first; chunk < end; ++chunk)
+    if (body->loose_marked)
+      force_of_chunk(components, law, each, 1, commit, body, chunk, u, f);
+    else
+      force_of_chunk(components, law, each, 0, commit, body, chunk, u, f);
+}
+
+#endif
