@@ -12,6 +12,8 @@ typedef struct {
   double xi[3]; /* X_j - X_i, m */
   double length;
   double weight_ij, weight_ji;
+  double inverse_square;             /* 1/length^2 */
+  double by_length_ij, by_length_ji; /* weights over length */
 } sdr_bond_class;
 
 /* The pairs (i0 + k, j0 + k), 0 <= k < length; pair k has the slot `slot` + k. */

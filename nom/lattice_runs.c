@@ -142,6 +142,7 @@ static sdr_status make_classes(const sdr_points *points, const sdr_stencil *sten
         class->xi[b] += points->lattice_spacing * step[a] * points->axes[a][b];
     }
     class->length = points->lattice_spacing * sqrt(square);
+    class->inverse_square = 1.0 / (class->length * class->length);
   }
   return SDR_OK;
 }
@@ -161,6 +162,8 @@ static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sd
     const double b_ji = how->weight ? how->weight(how->context, run->j0, run->i0, back) : 1.0;
     class->weight_ij = volumes * b_ij;
     class->weight_ji = volumes * b_ji;
+    class->by_length_ij = class->weight_ij / class->length;
+    class->by_length_ji = class->weight_ji / class->length;
   }
   sdr_free(done);
 }

@@ -392,6 +392,8 @@ static sdr_status set_mixed(sdr_bond_body *body)
   body->length_unit = points->lattice_spacing;
   for (int c = 0; c < body->bonds->class_count; ++c)
     body->force_unit = fmax(body->force_unit, body->bonds->classes[c].weight_ij * body->stiffness);
+  body->per_length_unit = 1.0 / body->length_unit;
+  body->stiffness_unit = body->stiffness * body->length_unit / body->force_unit;
   body->mixed = 1;
   return SDR_OK;
 }

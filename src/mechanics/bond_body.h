@@ -20,11 +20,12 @@ typedef struct {
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
   /* precision mixed: displacements over length_unit as sums of two floats, C over `stiffness` and
-     q of each point (NULL: shared), and the unit of forces in float (N) */
+     q of each point (NULL: shared), and the unit of forces in float (N); per_length_unit is
+     1/length_unit, stiffness_unit is stiffness length_unit/force_unit */
   int mixed;
   float *high[3], *low[3];
   float *relative_stiffness, *float_threshold;
-  double length_unit, force_unit;
+  double length_unit, force_unit, per_length_unit, stiffness_unit;
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
 } sdr_bond_body;
 

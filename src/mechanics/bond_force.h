@@ -81,12 +81,15 @@ SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const
                                       const sdr_bond_body *body, const sdr_block *block,
                                       const sdr_bond_class *class, SDR_REAL F[3][SDR_BLOCK])
 {
-  const double unit = SDR_LENGTH_UNIT(body), stiff = SDR_STIFFNESS_UNIT(body);
-  const SDR_REAL xx = (SDR_REAL)(class->xi[0] / unit), xy = (SDR_REAL)(class->xi[1] / unit);
-  const SDR_REAL xz = (SDR_REAL)(class->xi[2] / unit), two = (SDR_REAL)2, zero = (SDR_REAL)0;
-  const SDR_REAL inverse = (SDR_REAL)(unit * unit / (class->length * class->length));
-  const SDR_REAL wij = (SDR_REAL)(class->weight_ij * (unit / class->length) * stiff);
-  const SDR_REAL wji = (SDR_REAL)(class->weight_ji * (unit / class->length) * stiff);
+  const double unit = SDR_LENGTH_UNIT(body), per_unit = SDR_PER_LENGTH_UNIT(body);
+  const double stiff = SDR_STIFFNESS_UNIT(body);
+  const SDR_REAL xx = (SDR_REAL)(class->xi[0] * per_unit);
+  const SDR_REAL xy = (SDR_REAL)(class->xi[1] * per_unit);
+  const SDR_REAL xz = (SDR_REAL)(class->xi[2] * per_unit);
+  const SDR_REAL two = (SDR_REAL)2, zero = (SDR_REAL)0;
+  const SDR_REAL inverse = (SDR_REAL)(unit * unit * class->inverse_square);
+  const SDR_REAL wij = (SDR_REAL)(class->by_length_ij * stiff);
+  const SDR_REAL wji = (SDR_REAL)(class->by_length_ji * stiff);
   const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
   const double force_unit = SDR_FORCE_UNIT(body);
   sdr_flags fresh = 0;

@@ -74,6 +74,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #define SDR_SMALLEST 1e-200
 #define SDR_BUFFERED 0
 #define SDR_LENGTH_UNIT(body) ((void)(body), 1.0)
+#define SDR_PER_LENGTH_UNIT(body) ((void)(body), 1.0)
 #define SDR_FORCE_UNIT(body) ((void)(body), 1.0)
 #define SDR_STIFFNESS_UNIT(body) ((void)(body), 1.0)
 #define SDR_SHARED_STIFFNESS(body) ((body)->stiffness)
@@ -85,6 +86,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #undef SDR_SMALLEST
 #undef SDR_BUFFERED
 #undef SDR_LENGTH_UNIT
+#undef SDR_PER_LENGTH_UNIT
 #undef SDR_FORCE_UNIT
 #undef SDR_STIFFNESS_UNIT
 #undef SDR_SHARED_STIFFNESS
@@ -98,8 +100,9 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #define SDR_SMALLEST 1e-30f
 #define SDR_BUFFERED 1
 #define SDR_LENGTH_UNIT(body) ((body)->length_unit)
+#define SDR_PER_LENGTH_UNIT(body) ((body)->per_length_unit)
 #define SDR_FORCE_UNIT(body) ((body)->force_unit)
-#define SDR_STIFFNESS_UNIT(body) ((body)->stiffness / (body)->force_unit)
+#define SDR_STIFFNESS_UNIT(body) ((body)->stiffness_unit)
 #define SDR_SHARED_STIFFNESS(body) ((void)(body), 1.0)
 #define SDR_DIFFERENCE(a)                                                                          \
   ((block->high_j[a][k] - block->high_i[a][k]) + (block->low_j[a][k] - block->low_i[a][k]))
@@ -172,7 +175,7 @@ SDR_INLINE void energies_of_block(const int components, const int law, const int
                                   const sdr_bond_class *class, sdr_stripe_energies *sum)
 {
   const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double inverse = 1.0 / (class->length * class->length);
+  const double inverse = class->inverse_square;
   const double wij = 0.5 * class->weight_ij * class->length;
   const double wji = 0.5 * class->weight_ji * class->length;
   const double ni = wij > 0.0 ? 1.0 : 0.0, nj = wji > 0.0 ? 1.0 : 0.0; /* bond present */
@@ -241,7 +244,7 @@ SDR_INLINE void damage_of_block(const int components, const int law, const int e
                                 double F[3][SDR_BLOCK])
 {
   const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double inverse = 1.0 / (class->length * class->length);
+  const double inverse = class->inverse_square;
   const double ni = class->weight_ij > 0.0 ? 1.0 : 0.0, nj = class->weight_ji > 0.0 ? 1.0 : 0.0;
 #pragma omp simd
   for (int k = 0; k < b->count; ++k) {
