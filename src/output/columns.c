@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "output/fields.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,9 +44,26 @@ static sdr_status add_named(sdr_columns *columns, const char *prefix, column add
   return add(columns, &added);
 }
 
+/* A probe shows the nearest point; one beyond its horizon is a mistake, of units mostly. */
+static sdr_status check_distance(const sdr_probe *probe, const sdr_points *points, int32_t point)
+{
+  double square = 0.0;
+  for (int c = 0; c < points->components; ++c) {
+    const double way = points->x[c][point] - probe->at[c];
+    square += way * way;
+  }
+  if (sqrt(square) <= points->horizon[point]) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT,
+                  "%s: probe %s lies outside the body: the nearest point is %.4g mm away, beyond "
+                  "its horizon of %.4g mm; give a place in the body",
+                  sdr_origin_text(probe->origin), probe->name, 1e3 * sqrt(square),
+                  1e3 * points->horizon[point]);
+}
+
 static sdr_status add_probe(sdr_columns *columns, const sdr_probe *probe, const sdr_points *points)
 {
   const int32_t point = sdr_points_nearest(points, probe->at);
+  SDR_TRY(check_distance(probe, points, point));
   for (int f = 0; f < probe->field_count; ++f) {
     const sdr_field_info *field = sdr_field_find(probe->field[f]);
     if (!field || strcmp(field->name, "fragment") == 0)

@@ -71,6 +71,9 @@ static void overrides_that_are_wrong_only_after_reading_give_their_text(void **s
        "at t = 3.2e-06 s; it must be finite"},
       {"--set output.probes='[{name: tip, at: [10 cm, 0], fields: [fragment]}]'", 1,
        "--set output.probes: probe tip cannot show 'fragment'; name another field"},
+      {"--set output.probes='[{name: tip, at: [100, 0]}]'", 1,
+       "--set output.probes: probe tip lies outside the body: the nearest point is 9.985e+04 mm "
+       "away, beyond its horizon of 12.04 mm; give a place in the body"},
       {"--set output.fields='[colour]'", 1, NULL},
       {"--set time.step='50 us' --set time.end='1 ms' --set time.allow_unstable=true", 2, NULL}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {

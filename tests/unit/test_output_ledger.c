@@ -94,7 +94,7 @@ static void a_bar_names_its_one_component(void **state)
   body b;
   sdr_probe end;
   body_create(&b, 2, 1);
-  probe(&b, &end, "end", 9.0);
+  probe(&b, &end, "end", 3.0);
   end.field_count = 2;
   strcpy(end.field[0], "velocity");
   strcpy(end.field[1], "strain");
@@ -114,7 +114,7 @@ static void a_field_that_no_probe_can_show_is_refused_with_its_place(void **stat
   sdr_probe end;
   sdr_observer *ledger = NULL;
   body_create(&b, 2, 1);
-  probe(&b, &end, "end", 9.0);
+  probe(&b, &end, "end", 3.0);
   end.field_count = 1;
   strcpy(end.field[0], "fragment");
   const size_t before = sdr_memory_now();
