@@ -160,8 +160,9 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
   fprintf(out, "%s\n", scene->title);
   fprintf(out, "model               bond_based, %s, damage %s, integrator %s\n",
           dimension_names[scene->dimension], law_names[scene->damage.law], built->integrator->name);
-  fprintf(out, "kernels             %s, %d thread%s\n", sdr_bond_based_isa(built->model),
-          sdr_threads(), sdr_threads() == 1 ? "" : "s");
+  fprintf(out, "kernels             %s, %s precision, %d thread%s\n",
+          sdr_bond_based_isa(built->model), scene->mixed ? "mixed" : "double", sdr_threads(),
+          sdr_threads() == 1 ? "" : "s");
   print_points(built, out);
   print_step(built, out);
   print_memory(built, out);

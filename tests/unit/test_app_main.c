@@ -109,6 +109,8 @@ static void check_tells_what_would_run_and_runs_nothing(void **state)
   static const char *const parts[] = {
       "Thick cylinder under internal pressure\n",
       "model               bond_based, plane_stress, damage variational, integrator leapfrog\n",
+      "kernels             ",
+      ", double precision, ",
       "points              196556, spacing 0.5 mm, horizon 1.505 mm\n",
       "bonds               5449424 directed, 2724712 pairs: 2724712 in 12874 runs, 0 loose\n",
       "stable step         0.1832 us; step 0.1 us (0.546 of it), 1000 steps to 100 us\n",
