@@ -52,8 +52,8 @@ void sdr_bonds_destroy(sdr_bonds **bonds)
   *bonds = NULL;
 }
 
-static void visit_run(const sdr_bonds *bonds, const sdr_bond_run *run, sdr_pair_visitor visit,
-                      void *context)
+void sdr_bonds_visit_run(const sdr_bonds *bonds, const sdr_bond_run *run, sdr_pair_visitor visit,
+                         void *context)
 {
   const sdr_bond_class *class = &bonds->classes[run->class_index];
   sdr_pair pair = {.primary = 1,
@@ -98,7 +98,7 @@ void sdr_bonds_visit_stripe(const sdr_bonds *bonds, const sdr_points *points, in
                             sdr_pair_visitor visit, void *context)
 {
   for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
-    visit_run(bonds, &bonds->runs[r], visit, context);
+    sdr_bonds_visit_run(bonds, &bonds->runs[r], visit, context);
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
       sdr_bonds_visit_loose_point(bonds, i, visit, context);

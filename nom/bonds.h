@@ -82,6 +82,9 @@ typedef void (*sdr_pair_visitor)(void *context, const sdr_pair *pair);
    order. Padding is not visited. */
 void sdr_bonds_visit_stripe(const sdr_bonds *bonds, const sdr_points *points, int s,
                             sdr_pair_visitor visit, void *context);
+/* The pairs of one run. */
+void sdr_bonds_visit_run(const sdr_bonds *bonds, const sdr_bond_run *run, sdr_pair_visitor visit,
+                         void *context);
 /* The loose slots of point i (there must be loose pairs). */
 void sdr_bonds_visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_visitor visit,
                                  void *context);

@@ -7,84 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- shared by the model's files ------------------------------------------------------------- */
-
-double sdr_pair_stretch(const sdr_pair *pair, int components, double *const u[3])
-{
-  double z = 0.0;
-  for (int a = 0; a < components; ++a) {
-    const double eta = u[a][pair->j] - u[a][pair->i];
-    z += (2.0 * pair->xi[a] + eta) * eta;
-  }
-  z /= pair->length * pair->length;
-  return z / (1.0 + sqrt(fmax(1.0 + z, 1e-200)));
-}
-
-static sdr_pair_state variational_state(const sdr_bond_body *body, const sdr_pair *pair, double s,
-                                        float k)
-{
-  if (k == SDR_STRETCH_CUT) return (sdr_pair_state){1.0, 1.0, 1, 0};
-  if (k == SDR_STRETCH_PROTECTED) return (sdr_pair_state){0.0, 0.0, 0, 1};
-  const float now = (float)s, grown = k > now ? k : now;
-  return (sdr_pair_state){sdr_variational_damage(grown, sdr_body_threshold(body, pair->i)),
-                          sdr_variational_damage(grown, sdr_body_threshold(body, pair->j)), 0, 0};
-}
-
-sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s)
-{
-  const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
-  const sdr_flags *flags = pair->loose ? body->loose_flags : body->flags;
-  if (body->law == SDR_LAW_VARIATIONAL)
-    return variational_state(body, pair, s, stretch[pair->slot]);
-  if (!flags) return (sdr_pair_state){0.0, 0.0, 0, 0};
-  const sdr_flags flag = flags[pair->slot];
-  return (sdr_pair_state){sdr_flag_damage(flag, SDR_LOST_I), sdr_flag_damage(flag, SDR_LOST_J),
-                          (flag & SDR_CUT) != 0, (flag & SDR_PROTECTED) != 0};
-}
-
-void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end)
-{
-  const int32_t *stripe = body->points->stripe_first;
-  const int some = body->bonds->loose.chunk_count > 0;
-  *first = some ? (stripe[s] + SDR_LANES - 1) / SDR_LANES : 0;
-  *end = some ? (stripe[s + 1] + SDR_LANES - 1) / SDR_LANES : 0;
-}
-
-void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context)
-{
-  sdr_parallel_for(0, points->stripe_count, 2, task, context);
-  sdr_parallel_for(1, points->stripe_count, 2, task, context);
-}
-
-/* ---- rest ----------------------------------------------------------------------------------- */
-
-typedef struct {
-  sdr_bond_model *model;
-  double *const *u;
-} watch_call;
-
-static void watch_stripe(void *context, int s)
-{
-  const watch_call *call = context;
-  sdr_bond_model *model = call->model;
-  const sdr_points *points = model->head.points;
-  if (model->moved[s]) return;
-  for (int a = 0; a < points->components; ++a)
-    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
-      if (call->u[a][i] != 0.0) {
-        model->moved[s] = 1;
-        return;
-      }
-}
-
-void sdr_bond_watch(sdr_bond_model *model, double *const u[3])
-{
-  const int stripes = model->head.points->stripe_count;
-  watch_call call = {model, u};
-  if (memchr(model->moved, 0, (size_t)stripes))
-    sdr_parallel_for(0, stripes, 1, watch_stripe, &call);
-}
-
 /* ---- force ----------------------------------------------------------------------------------- */
 
 typedef struct {
@@ -339,18 +261,6 @@ static sdr_status set_constants(sdr_bond_body *body, const sdr_families *familie
   return SDR_OK;
 }
 
-static sdr_status alloc_flags(sdr_bond_model *model)
-{
-  sdr_bond_body *body = &model->body;
-  const size_t runs = (size_t)model->bonds->run_slots;
-  const size_t loose = (size_t)model->bonds->loose.slot_count;
-  if (runs > 0 && !body->flags && !(body->flags = sdr_alloc(runs, sizeof(sdr_flags))))
-    return SDR_RUN_FAILED;
-  if (loose > 0 && !body->loose_flags && !(body->loose_flags = sdr_alloc(loose, sizeof(sdr_flags))))
-    return SDR_RUN_FAILED;
-  return SDR_OK;
-}
-
 static sdr_status alloc_history(sdr_bond_model *model)
 {
   sdr_bond_body *body = &model->body;
@@ -362,7 +272,7 @@ static sdr_status alloc_history(sdr_bond_model *model)
       return SDR_RUN_FAILED;
   }
   if (body->law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
-  SDR_TRY(alloc_flags(model));
+  SDR_TRY(sdr_bond_alloc_flags(model));
   if (runs > 0 && !(body->run_fresh = sdr_alloc((size_t)bonds->run_count, 1)))
     return SDR_RUN_FAILED;
   if (loose > 0 && !(body->chunk_fresh = sdr_alloc((size_t)bonds->loose.chunk_count, 1)))
@@ -421,65 +331,6 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
     return status;
   }
   *out = &model->head;
-  return SDR_OK;
-}
-
-/* ---- marks ----------------------------------------------------------------------------------- */
-
-typedef struct {
-  sdr_bond_model *model;
-  sdr_pair_mark mark;
-  const void *context;
-  int64_t cut; /* directed bonds */
-  int any_loose;
-} mark_call;
-
-static void mark_pair(void *context, const sdr_pair *pair)
-{
-  mark_call *call = context;
-  sdr_bond_body *body = &call->model->body;
-  const sdr_points *points = body->points;
-  double a[3] = {0.0}, b[3] = {0.0};
-  for (int c = 0; c < points->components; ++c) {
-    a[c] = points->x[c][pair->i];
-    b[c] = points->x[c][pair->j];
-  }
-  const int mark = call->mark(call->context, a, b);
-  if (mark == 0) return;
-  if (pair->loose) call->any_loose = 1;
-  if (body->law == SDR_LAW_VARIATIONAL)
-    (pair->loose ? body->loose_stretch : body->stretch)[pair->slot] =
-        mark == SDR_CUT ? SDR_STRETCH_CUT : SDR_STRETCH_PROTECTED;
-  else
-    (pair->loose ? body->loose_flags : body->flags)[pair->slot] =
-        (mark == SDR_CUT ? SDR_CUT | SDR_LOST_I | SDR_LOST_J : SDR_PROTECTED);
-  if (mark == SDR_CUT && pair->primary)
-    call->cut += (pair->weight_ij > 0.0) + (pair->weight_ji > 0.0);
-}
-
-static int run_has_mark(const sdr_bond_body *body, const sdr_bond_run *run)
-{
-  for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot)
-    if (body->stretch ? body->stretch[slot] < 0.0f : body->flags[slot] >= SDR_CUT) return 1;
-  return 0;
-}
-
-sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
-                               int64_t *cut_bonds)
-{
-  sdr_bond_model *bond = (sdr_bond_model *)model;
-  sdr_bond_body *body = &bond->body;
-  if (body->law == SDR_LAW_NONE) SDR_TRY(alloc_flags(bond));
-  mark_call call = {.model = bond, .mark = mark, .context = context};
-  sdr_bonds_visit(bond->bonds, model->points, mark_pair, &call);
-  if (call.any_loose) body->loose_marked = 1;
-  if (bond->bonds->run_count > 0 && !body->run_marked) {
-    body->run_marked = sdr_alloc((size_t)bond->bonds->run_count, 1);
-    if (!body->run_marked) return SDR_RUN_FAILED;
-  }
-  for (int64_t r = 0; r < bond->bonds->run_count; ++r)
-    body->run_marked[r] = (uint8_t)run_has_mark(body, &bond->bonds->runs[r]);
-  *cut_bonds = call.cut;
   return SDR_OK;
 }
 

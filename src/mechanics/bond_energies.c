@@ -119,20 +119,10 @@ static void book_pair(book_call *call, const sdr_pair *pair, sdr_flags *flags)
     call->sum += half * pair->weight_ji * sdr_body_stiffness(body, pair->j);
 }
 
-static void book_run(book_call *call, const sdr_bond_run *run)
+static void book_of_run(void *context, const sdr_pair *pair)
 {
-  const sdr_bond_body *body = &call->model->body;
-  const sdr_bond_class *class = &body->bonds->classes[run->class_index];
-  sdr_pair pair = {.xi = {class->xi[0], class->xi[1], class->xi[2]},
-                   .length = class->length,
-                   .weight_ij = class->weight_ij,
-                   .weight_ji = class->weight_ji};
-  for (int32_t k = 0; k < run->length; ++k) {
-    pair.i = run->i0 + k;
-    pair.j = run->j0 + k;
-    pair.slot = run->slot + k;
-    book_pair(call, &pair, body->flags + pair.slot);
-  }
+  book_call *call = context;
+  book_pair(call, pair, call->model->body.flags + pair->slot);
 }
 
 static void book_loose(void *context, const sdr_pair *pair)
@@ -159,7 +149,7 @@ void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *con
   book_call call = {model, u, v, dt, 0.0};
   for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
     if (!body->run_fresh[r]) continue;
-    book_run(&call, &bonds->runs[r]);
+    sdr_bonds_visit_run(bonds, &bonds->runs[r], book_of_run, &call);
     body->run_fresh[r] = 0;
   }
   if (bonds->loose.chunk_count > 0 && any_fresh_chunk(body, s))

@@ -53,6 +53,9 @@ void sdr_bond_watch(sdr_bond_model *model, double *const u[3]);
 /* Call task for even stripes, then for odd ones, in parallel: pairs write to at most the next. */
 void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context);
 
+/* Flags for all slots, zero, where they are not there yet. */
+sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
+
 /* Parts of the model in their own files. */
 void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out);
 sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out);
