@@ -28,6 +28,7 @@ typedef struct {
   double scatter;    /* of Young's modulus, share */
   int two_materials; /* points with x > 0 have 3 times the toughness and half the modulus */
   int force_loose;
+  int mixed; /* explicit forces of runs in float */
 } body_how;
 
 typedef struct {
@@ -127,6 +128,7 @@ static inline body body_create(const body_how *how)
   assert_int_equal(sdr_bonds_create(b.points, &bonds_how, &bonds), SDR_OK);
   const sdr_bond_based_how model_how = {.dimension = how->dimension,
                                         .law = how->law,
+                                        .mixed = how->mixed,
                                         .ell = {how->ell > 0.0 ? how->ell : 1.0, 1},
                                         .young = b.young,
                                         .toughness = b.toughness};

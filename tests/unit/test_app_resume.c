@@ -125,7 +125,7 @@ static int run_and_kill(const char *command, const char *checkpoint, long micros
   return 0;
 }
 
-enum { MOST_KILLS = 4 };
+enum { MOST_KILLS = 3 };
 
 /* Kill the run of `scene` into `broken`, which lasts so many seconds, at some moments, on 2 and 1
    threads in turn, and let it end. How often it was killed. */
@@ -170,7 +170,7 @@ static void kill_and_compare(const char *scene)
 }
 
 #define OUTPUT                                                                                     \
-  " --quiet --set output.checkpoint.every='5 us' --set output.history.every=3"                     \
+  " --quiet --set output.checkpoint.every='8 us' --set output.history.every=3"                     \
   " --set output.snapshots=4 --set output.fields='[displacement, velocity, damage, reaction]'"
 #define RING                                                                                       \
   "thick_cylinder --variant coarse_4mm" OUTPUT                                                     \
@@ -216,7 +216,7 @@ static void a_notched_plate_goes_on_with_the_same_bits(void **state)
 {
   (void)state;
   kill_and_compare("'" SUNDER_SOURCE_DIR "/tests/scenes/good/notch.yaml'" OUTPUT
-                   " --set time.end='20 us' --set output.checkpoint.every='1.5 us'");
+                   " --set time.end='20 us' --set output.checkpoint.every='2 us'");
 }
 
 /* Only the time of the end differs: the checkpoint of a shorter run serves. */
