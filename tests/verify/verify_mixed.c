@@ -1,0 +1,103 @@
+/* `precision: mixed`: forces of runs in float arithmetic on double displacements. */
+#include "support/scene_text.h"
+
+/* |float force - double force| over the largest, after three explicit steps. */
+static double force_error(const body_how *how, double amplitude)
+{
+  double *u[3], *v[3], *f[2][3];
+  int32_t count = 0;
+  for (int mixed = 0; mixed < 2; ++mixed) {
+    body_how one = *how;
+    one.mixed = mixed;
+    body b = body_create(&one);
+    assert_int_equal(sdr_bond_based_mixed(b.model), mixed);
+    vector_create(b.points, u);
+    vector_create(b.points, v);
+    vector_create(b.points, f[mixed]);
+    for (uint64_t step = 1; step < 4; ++step) {
+      vector_noise(b.points, amplitude * body_spacing, step, u);
+      /* a rigid motion far larger than the stretch */
+      for (int32_t i = 0; i < b.points->count; ++i) u[0][i] += 3.0 * body_spacing;
+      b.model->ops->force_commit(b.model, u, v, 1e-8, f[mixed]);
+    }
+    count = b.points->count;
+    vector_destroy(u);
+    vector_destroy(v);
+    body_destroy(&b);
+  }
+  double worst = 0.0, most = 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int32_t i = 0; f[0][a] && i < count; ++i) {
+      worst = fmax(worst, fabs(f[0][a][i] - f[1][a][i]));
+      most = fmax(most, fabs(f[0][a][i]));
+    }
+  vector_destroy(f[0]);
+  vector_destroy(f[1]);
+  return worst / most;
+}
+
+static void forces_keep_seven_digits_at_any_stretch(void **state)
+{
+  (void)state;
+  static const body_how shapes[] = {
+      {.dimension = SDR_1D, .cells = {90}},
+      {.dimension = SDR_PLANE_STRESS, .cells = {40, 37}},
+      {.dimension = SDR_PLANE_STRAIN, .cells = {20, 50}, .angle = 0.3},
+      {.dimension = SDR_3D, .cells = {9, 8, 34}, .ratio = 2.01}};
+  static const double amplitudes[] = {0.1, 1e-3, 1e-6};
+  double worst = 0.0;
+  for (int k = 0; k < 4; ++k)
+    for (int law = SDR_LAW_NONE; law <= SDR_LAW_VARIATIONAL; ++law)
+      for (int scatter = 0; scatter < 2; ++scatter)
+        for (int a = 0; a < 3; ++a) {
+          body_how how = shapes[k];
+          how.law = (sdr_law)law;
+          how.scatter = 0.3 * scatter;
+          how.stretch = amplitudes[a];
+          worst = fmax(worst, force_error(&how, amplitudes[a]));
+        }
+  print_message("largest error of a force: %.2g of the largest\n", worst);
+  assert_at_most(worst, 1e-6);
+}
+
+/* The 4 mm cylinder to 40 us: books as in double, both momenta balanced, nearly the same body. */
+static void a_run_keeps_its_books(void **state)
+{
+  (void)state;
+  static const char *const sets[2][3] = {{"time.step=0.4 us", "precision=double", NULL},
+                                         {"time.step=0.4 us", "precision=mixed", NULL}};
+  double imbalance[2], error = 0.0, most = 0.0;
+  sdr_built run[2];
+  for (int mixed = 0; mixed < 2; ++mixed) {
+    problem_build(&run[mixed], "thick_cylinder", "coarse_4mm", sets[mixed]);
+    imbalance[mixed] = run_imbalance(&run[mixed], 40e-6, 0.8e-6);
+  }
+  for (int32_t i = 0; i < run[0].points->count; ++i)
+    for (int a = 0; a < 2; ++a) {
+      error = fmax(error, fabs(run[1].system->u[a][i] - run[0].system->u[a][i]));
+      most = fmax(most, fabs(run[0].system->u[a][i]));
+    }
+  print_message("imbalance %.4g and %.4g, displacements differ by %.2g of the largest\n",
+                imbalance[0], imbalance[1], error / most);
+  assert_near(imbalance[1], imbalance[0], 0.01 * imbalance[0]);
+  assert_at_most(error / most, 1e-5);
+  sdr_balance balance;
+  sdr_system_balance(run[1].system, &balance);
+  for (int a = 0; a < 3; ++a) {
+    assert_near(balance.momentum[a], run[1].system->impulse[a], 1e-12 * balance.momentum_scale);
+    assert_near(balance.angular[a], run[1].system->angular_impulse[a],
+                1e-7 * balance.angular_scale);
+  }
+  sdr_built_destroy(&run[0]);
+  sdr_built_destroy(&run[1]);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(forces_keep_seven_digits_at_any_stretch),
+      cmocka_unit_test(a_run_keeps_its_books),
+  };
+  sdr_set_threads(1);
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
