@@ -52,13 +52,15 @@ static void print_memory(const sdr_built *built, FILE *out)
           (double)sdr_bond_based_history_bytes(built->model) / 1e6);
 }
 
-static const char *source_name(sdr_moments_source source)
+/* Where the constants come from. */
+static const char *source_name(sdr_calibration_kind calibration, sdr_moments_source source)
 {
+  if (calibration == SDR_CALIBRATE_PRINTED) return "the printed formula";
   switch (source) {
   case SDR_MOMENTS_STENCIL:
-    return "the lattice's full stencil";
+    return "family sums of the lattice's full stencil";
   case SDR_MOMENTS_MEAN:
-    return "the mean over points with complete families";
+    return "mean family sums of the points with complete families";
   default:
     return "integrals over the ball, since no family is complete";
   }
@@ -70,8 +72,8 @@ static void print_stiffness(const sdr_built *built, const sdr_family *family,
   const sdr_dimension dimension = built->scene->dimension;
   const double c = sdr_micromodulus(dimension, built->scene->calibration, family, material->young);
   const sdr_effective_stiffness s = sdr_stiffness_of(dimension, family, c, material->young);
-  fprintf(out, "  micromodulus      %.6g N/m^6 (half), family sums from %s\n", c,
-          source_name(family->source));
+  fprintf(out, "  micromodulus      %.6g N/m^6 (half), from %s\n", c,
+          source_name(built->scene->calibration, family->source));
   fprintf(out, "  c11               %.5g GPa (%+.2f %%)", s.c11 * 1e-9,
           100.0 * (s.c11 / s.exact_c11 - 1.0));
   if (dimension != SDR_1D)

@@ -291,6 +291,7 @@ static sdr_status move_randomly(const sdr_scene *scene, sdr_points *points)
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   if (!random) return sdr_fail(SDR_RUN_FAILED, "out of memory: random numbers");
   gsl_rng_set(random, (unsigned long)scene->points.jitter_seed);
+  points->irregular = 1;
   for (int32_t i = 0; i < points->count; ++i) {
     for (int c = 0; c < points->components; ++c) {
       const double share = scene->points.jitter * (2.0 * gsl_rng_uniform(random) - 1.0);
