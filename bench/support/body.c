@@ -121,6 +121,7 @@ static sdr_status make_model(const bench_how *how, bench_body *body)
   const sdr_bond_based_how model_how = {.dimension =
                                             how->dimension == 3 ? SDR_3D : SDR_PLANE_STRESS,
                                         .law = how->law,
+                                        .mixed = how->mixed,
                                         .calibration = SDR_CALIBRATE_FAMILY,
                                         .ell = {.value = 1.0, .relative = 1},
                                         .young = modulus,

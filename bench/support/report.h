@@ -17,7 +17,9 @@ sdr_status bench_csv(const char *directory, const char *name, FILE **out);
 /* The same on one line, for tables and pictures: "AMD EPYC (2 cores), gcc 12.2.0, commit ...". */
 const char *bench_origin(void);
 
-/* Seconds of a clock that only goes forward. */
+/* Seconds of a clock that only goes forward; seconds that this process has computed, all threads
+   together. */
 double bench_clock(void);
+double bench_processor_clock(void);
 
 #endif
