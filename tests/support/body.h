@@ -8,6 +8,7 @@
 #include "mechanics/bond_based.h"
 #include "mechanics/bond_body.h"
 #include "support/cmocka_all.h"
+#include "support/noise.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,15 +42,6 @@ typedef struct {
 } body;
 
 static const double body_young = 70e9, body_spacing = 0.5e-3;
-
-/* Uniform in [-1, 1). */
-static inline double noise(uint64_t *state)
-{
-  *state ^= *state << 13;
-  *state ^= *state >> 7;
-  *state ^= *state << 17;
-  return (double)(*state >> 11) * 0x1p-52 - 1.0;
-}
 
 static inline void body_place(const body_how *how, sdr_points *points, int32_t i,
                               const int32_t cell[3], uint64_t *seed)

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "nom/bonds.h"
 #include "support/cmocka_all.h"
+#include "support/noise.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,14 +16,6 @@ typedef struct {
   int (*keep)(const int32_t cell[3]);
   int force_loose;
 } shape;
-
-static double noise(uint64_t *state)
-{
-  *state ^= *state << 13;
-  *state ^= *state >> 7;
-  *state ^= *state << 17;
-  return (double)(*state >> 11) * 0x1p-52 - 1.0;
-}
 
 static void put_point(sdr_points *points, const shape *s, int32_t i, const int32_t cell[3],
                       uint64_t *seed)

@@ -3,6 +3,7 @@
 #include "nom/family.h"
 #include "nom/stencil.h"
 #include "support/cmocka_all.h"
+#include "support/noise.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,14 +12,6 @@ static void assert_close(double value, double expected, double tolerance)
 {
   if (!(fabs(value - expected) <= tolerance))
     fail_msg("%.15g, expected %.15g +- %g", value, expected, tolerance);
-}
-
-static double noise(uint64_t *state)
-{
-  *state ^= *state << 13;
-  *state ^= *state >> 7;
-  *state ^= *state << 17;
-  return (double)(*state >> 11) * 0x1p-52 - 1.0;
 }
 
 /* A square of side x side points with spacing 1, jittered, turned by angle. */

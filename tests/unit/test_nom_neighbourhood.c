@@ -4,16 +4,9 @@
 #include "nom/cells.h"
 #include "nom/neighbourhood.h"
 #include "support/cmocka_all.h"
+#include "support/noise.h"
 
 #include <math.h>
-
-static double noise(uint64_t *state)
-{
-  *state ^= *state << 13;
-  *state ^= *state >> 7;
-  *state ^= *state << 17;
-  return (double)(*state >> 11) * 0x1p-53;
-}
 
 /* `count` points in a box with the given edges; horizons between `least` and `most`. */
 static sdr_points *cloud(int32_t count, int components, const double edge[3], double least,
@@ -22,8 +15,8 @@ static sdr_points *cloud(int32_t count, int components, const double edge[3], do
   sdr_points *points;
   assert_int_equal(sdr_points_create(count, components, 0, &points), SDR_OK);
   for (int32_t i = 0; i < count; ++i) {
-    for (int a = 0; a < components; ++a) points->x[a][i] = edge[a] * (noise(&seed) - 0.3);
-    points->horizon[i] = least + (most - least) * noise(&seed);
+    for (int a = 0; a < components; ++a) points->x[a][i] = edge[a] * (0.5 * noise(&seed) + 0.2);
+    points->horizon[i] = least + (most - least) * (0.5 + 0.5 * noise(&seed));
     points->spacing[i] = points->volume[i] = 1.0;
   }
   points->irregular = 1;
