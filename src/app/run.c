@@ -9,6 +9,7 @@
 #include "output/ledger.h"
 #include "output/onset.h"
 #include "output/progress.h"
+#include "output/runaway.h"
 #include "output/rundir.h"
 #include "output/snapshots.h"
 #include "output/summary.h"
@@ -22,13 +23,13 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 4, MEASURED = 10 };
+enum { OBSERVERS = 5, MEASURED = 10 };
 
 typedef struct {
   sdr_built built;
   char directory[600];
   int lock;
-  sdr_observer *ledger, *snapshots, *onset, *progress;
+  sdr_observer *ledger, *runaway, *snapshots, *onset, *progress;
   sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
   int observer_count;
   sdr_moment moment;
@@ -84,6 +85,8 @@ static sdr_status make_observers(run *r, const sdr_run_options *options)
   const sdr_scene *scene = r->built.scene;
   SDR_TRY(sdr_ledger_create(scene, r->built.points, &r->ledger));
   add_observer(r, r->ledger);
+  SDR_TRY(sdr_runaway_create(r->ledger, &r->runaway));
+  add_observer(r, r->runaway);
   if (scene->damage.law != SDR_LAW_NONE)
     SDR_TRY(sdr_onset_create(r->built.points, r->built.onset, &r->onset));
   add_observer(r, r->onset);
@@ -369,6 +372,7 @@ sdr_status sdr_run(const sdr_run_options *options, FILE *out)
   if (status == SDR_OK) status = summarise(&r, out);
   destroy_observer(&r.snapshots);
   destroy_observer(&r.onset);
+  destroy_observer(&r.runaway);
   destroy_observer(&r.ledger);
   sdr_rundir_close(r.directory, r.lock);
   sdr_built_destroy(&r.built);
