@@ -323,48 +323,67 @@ static sdr_status write_csv(const figures *f, const char *directory)
 
 /* ---- picture --------------------------------------------------------------------------------- */
 
-/* Bars for the laws, scattered moduli; the forms side by side. */
-static void draw_panel(FILE *script, const figures *f, int b, int threads)
+/* One bar of each group: a form with an instruction set. */
+typedef struct {
+  form which;
+  int isa;
+  const char *title, *colour;
+} bar;
+
+/* Bars for the laws of one body, scattered moduli, one core. */
+static void draw_panel(FILE *script, const figures *f, int b, const char *what, double bottom,
+                       const bar *bars, int count)
 {
-  static const char *const colour[FORMS] = {"#999999", "#cccccc", "#56b4e9", "#0072b2",
-                                            "#d55e00", "#f0a070", "#000000"};
   double most = 0.0;
-  fprintf(script, "$p%d%d << E\n", b, threads);
+  fprintf(script, "$p << E\n");
   for (int law = 0; law < LAWS; ++law) {
     fputs(law_name[law], script);
-    for (int k = 0; k < FORMS; ++k) {
-      const double ns = f->time[b][law][1][threads - 1][f->best_isa][k].median;
+    for (int k = 0; k < count; ++k) {
+      const double ns = f->time[b][law][1][0][bars[k].isa][bars[k].which].median;
       fprintf(script, " %.3f", ns);
-      most = fmax(most, ns);
+      most = isnan(ns) ? most : fmax(most, ns);
     }
     fputc('\n', script);
   }
-  fprintf(script, "E\nset title '%s, %s'\nset yrange [0:%g]\nset origin %g,%g\nplot ", body_name[b],
-          threads == 1 ? "one core" : "two cores", 1.3 * most, 0.5 * b, threads == 1 ? 0.5 : 0.0);
-  for (int k = 0; k < FORMS; ++k)
-    fprintf(script, "$p%d%d using %d:xtic(1) lc '%s' t '%s', ", b, threads, k + 2, colour[k],
-            form_name[k]);
-  for (int k = 0; k < FORMS; ++k)
+  fprintf(script, "E\nset title '%s: %s'\nset yrange [0:%g]\nset origin %g,%g\nplot ", body_name[b],
+          what, 1.3 * most, 0.5 * b, bottom);
+  for (int k = 0; k < count; ++k)
+    fprintf(script, "$p using %d:xtic(1) lc '%s' t '%s', ", k + 2, bars[k].colour, bars[k].title);
+  for (int k = 0; k < count; ++k)
     fprintf(script,
-            "$p%d%d using ($0 + (%d - 3)/8.5):%d:(sprintf('%%.1f', $%d)) with labels font ',10' "
+            "$p using ($0 + %g):%d:(sprintf('%%.1f', $%d)) with labels font ',10' "
             "offset 0,0.5 notitle, ",
-            b, threads, k, k + 2, k + 2);
+            (k - 0.5 * (count - 1)) / (count + 1.5), k + 2, k + 2);
   fputc('\n', script);
 }
 
 static sdr_status draw(const figures *f, const char *directory)
 {
+  static const char *const colour[FORMS] = {"#999999", "#cccccc", "#56b4e9", "#0072b2",
+                                            "#d55e00", "#f0a070", "#000000"};
+  const bar by_isa[] = {{LOOSE_LATTICE, 0, "loose, baseline", "#b9dcf2"},
+                        {LOOSE_LATTICE, 1, "loose, avx2", "#7cc0ea"},
+                        {LOOSE_LATTICE, 2, "loose, avx512", "#56b4e9"},
+                        {RUNS, 0, "runs, baseline", "#f5c9a8"},
+                        {RUNS, 1, "runs, avx2", "#e88f4a"},
+                        {RUNS, 2, "runs, avx512", "#d55e00"}};
+  bar by_form[FORMS];
+  for (form k = PLAIN_LATTICE; k < FORMS; ++k)
+    by_form[k] = (bar){k, f->best_isa, form_name[k], colour[k]};
   char path[2 * BENCH_PATH];
   sdr_picture picture;
   SDR_TRY(sdr_picture_begin(&picture, 1600, 1100, 20.0));
   fputs("set tics nomirror\nset xtics\nset ytics\nset grid y lc '#e0e0e0'\nset border 3\n"
         "set style data histograms\nset style histogram clustered gap 1.5\n"
         "set style fill solid 1 noborder\nset key top center horizontal maxcols 4 font ',11' "
-        "samplen 1\n"
-        "set ylabel 'ns a directed bond and step'\nset size 0.5,0.5\n",
+        "samplen 1\nset ylabel 'ns a directed bond and step, one core'\nset size 0.5,0.5\n",
         picture.script);
-  for (int threads = 1; threads <= f->threads; ++threads)
-    for (int b = 0; b < 2; ++b) draw_panel(picture.script, f, b, threads);
+  for (int b = 0; b < 2; ++b) {
+    fputs("set key maxcols 4\n", picture.script);
+    draw_panel(picture.script, f, b, "ways to hold bonds", 0.5, by_form, FORMS);
+    fputs("set key maxcols 3\n", picture.script);
+    draw_panel(picture.script, f, b, "instruction sets", 0.0, by_isa, 6);
+  }
   snprintf(path, sizeof path, "%s/kernels.png", directory);
   return sdr_picture_end(&picture, path);
 }
