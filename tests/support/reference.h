@@ -7,12 +7,13 @@
 
 typedef struct {
   const body *body;
-  float *stretch;   /* k of the pair (i, j), count x count; committed */
-  char *lost;       /* directed bond i -> j lost for good (critical stretch) */
-  char *mark;       /* SDR_CUT, SDR_PROTECTED or 0 */
-  double *c, *q;    /* constants of each point */
-  double farthest;  /* above every horizon, m */
-  int without_dual; /* 1: leave out what the dual horizon adds */
+  float *stretch;     /* k of the pair (i, j), count x count; committed */
+  char *lost;         /* directed bond i -> j lost for good (critical stretch) */
+  char *mark;         /* SDR_CUT, SDR_PROTECTED or 0 */
+  double *c, *q;      /* constants of each point */
+  long double booked; /* energy of lost directed bonds, as commit books it: at their stretch then */
+  double farthest;    /* above every horizon, m */
+  int without_dual;   /* 1: leave out what the dual horizon adds */
 } reference;
 
 static inline reference reference_create(const body *b)
@@ -106,17 +107,25 @@ static inline reference_law reference_directed(const reference *r, int32_t i, in
   return (reference_law){c * left * s, left * w, 0.5L * c * p->length * q * d * d};
 }
 
+/* b V_i V_j of the directed bond i -> j; 0 if j is not in H_i. */
+static inline long double reference_weight(const reference *r, int32_t i, int32_t j,
+                                           const double xi[3])
+{
+  const sdr_points *points = r->body->points;
+  if (!reference_in_family(points, i, xi)) return 0.0L;
+  const double b = r->body->how.weight == SDR_FAMILY_PLAIN
+                       ? 1.0
+                       : sdr_families_weight(r->body->families, i, j, xi);
+  return (long double)b * (long double)points->volume[i] * (long double)points->volume[j];
+}
+
 static inline void reference_add(const reference *r, int32_t i, int32_t j, double *const u[3],
                                  long double *f, long double energy[2])
 {
   const sdr_points *points = r->body->points;
   const reference_pair p = reference_kinematics(points, u, i, j);
-  if (!reference_in_family(points, i, p.xi)) return;
-  const double b = r->body->how.weight == SDR_FAMILY_PLAIN
-                       ? 1.0
-                       : sdr_families_weight(r->body->families, i, j, p.xi);
-  const long double v =
-      (long double)b * (long double)points->volume[i] * (long double)points->volume[j];
+  const long double v = reference_weight(r, i, j, p.xi);
+  if (v <= 0.0L) return;
   const reference_law law = reference_directed(r, i, j, &p);
   energy[0] += v * law.stored;
   energy[1] += v * law.dissipated;
@@ -139,22 +148,31 @@ static inline void reference_force(const reference *r, double *const u[3], doubl
   for (int a = 0; a < points->components; ++a)
     for (int32_t i = 0; i < points->count; ++i) out[a][i] = (double)f[3 * i + a];
   if (energies)
-    *energies = (sdr_energies){.stored = (double)energy[0], .dissipated = (double)energy[1]};
+    *energies =
+        (sdr_energies){.stored = (double)energy[0], .dissipated = (double)(energy[1] + r->booked)};
   free(f);
+}
+
+static inline void reference_commit_bond(reference *r, int32_t i, int32_t j, double *const u[3])
+{
+  const size_t slot = (size_t)i * (size_t)r->body->points->count + (size_t)j;
+  const reference_pair p = reference_kinematics(r->body->points, u, i, j);
+  if ((float)p.s > r->stretch[slot]) r->stretch[slot] = (float)p.s;
+  if (p.s <= 0.0L || p.s * p.s <= (long double)r->q[i] || r->lost[slot] ||
+      r->mark[slot] == SDR_PROTECTED)
+    return;
+  r->lost[slot] = 1;
+  if (r->body->how.law == SDR_LAW_CRITICAL_STRETCH && r->mark[slot] != SDR_CUT)
+    r->booked +=
+        0.5L * (long double)r->c[i] * p.length * p.s * p.s * reference_weight(r, i, j, p.xi);
 }
 
 static inline void reference_commit(reference *r, double *const u[3])
 {
   const int32_t n = r->body->points->count;
   for (int32_t i = 0; i < n; ++i)
-    for (int32_t j = 0; j < n; ++j) {
-      if (reference_far(r, i, j)) continue;
-      const size_t slot = (size_t)i * (size_t)n + (size_t)j;
-      const reference_pair p = reference_kinematics(r->body->points, u, i, j);
-      if ((float)p.s > r->stretch[slot]) r->stretch[slot] = (float)p.s;
-      if (p.s > 0.0L && p.s * p.s > (long double)r->q[i] && r->mark[slot] != SDR_PROTECTED)
-        r->lost[slot] = 1;
-    }
+    for (int32_t j = 0; j < n; ++j)
+      if (!reference_far(r, i, j)) reference_commit_bond(r, i, j, u);
 }
 
 /* The same marks on the model and here. */
