@@ -74,22 +74,34 @@ SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(const int marked, sdr_flags before, 
   return grown;
 }
 
+/* What the pairs of a class share, in the kernel's units. */
+typedef struct {
+  SDR_REAL xi[3], inverse_square, wij, wji; /* weights over length */
+} SDR_NAMED(sdr_terms);
+
+SDR_INLINE SDR_NAMED(sdr_terms)
+    SDR_NAMED(terms_of)(const sdr_bond_body *body, const sdr_bond_class *class)
+{
+  const double unit = SDR_LENGTH_UNIT(body), per_unit = SDR_PER_LENGTH_UNIT(body);
+  const double stiff = SDR_STIFFNESS_UNIT(body);
+  return (SDR_NAMED(sdr_terms)){{(SDR_REAL)(class->xi[0] * per_unit),
+                                 (SDR_REAL)(class->xi[1] * per_unit),
+                                 (SDR_REAL)(class->xi[2] * per_unit)},
+                                (SDR_REAL)(unit * unit * class->inverse_square),
+                                (SDR_REAL)(class->by_length_ij * stiff),
+                                (SDR_REAL)(class->by_length_ji * stiff)};
+}
+
 /* Forces of a block, onto f at once or, where i and j points overlap (a run along its own row) or
    float forces wait to be widened, into F, component-major; returns 1 if a bond was lost in it. */
 SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const int each,
                                       const int marked, const int commit, const int overlap,
                                       const sdr_bond_body *body, const sdr_block *block,
-                                      const sdr_bond_class *class, SDR_REAL F[3][SDR_BLOCK])
+                                      SDR_REAL F[3][SDR_BLOCK])
 {
-  const double unit = SDR_LENGTH_UNIT(body), per_unit = SDR_PER_LENGTH_UNIT(body);
-  const double stiff = SDR_STIFFNESS_UNIT(body);
-  const SDR_REAL xx = (SDR_REAL)(class->xi[0] * per_unit);
-  const SDR_REAL xy = (SDR_REAL)(class->xi[1] * per_unit);
-  const SDR_REAL xz = (SDR_REAL)(class->xi[2] * per_unit);
+  const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
+  const SDR_REAL xx = of.xi[0], xy = of.xi[1], xz = of.xi[2];
   const SDR_REAL two = (SDR_REAL)2, zero = (SDR_REAL)0;
-  const SDR_REAL inverse = (SDR_REAL)(unit * unit * class->inverse_square);
-  const SDR_REAL wij = (SDR_REAL)(class->by_length_ij * stiff);
-  const SDR_REAL wji = (SDR_REAL)(class->by_length_ji * stiff);
   const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
   const double force_unit = SDR_FORCE_UNIT(body);
   sdr_flags fresh = 0;
@@ -101,10 +113,10 @@ SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const
     SDR_REAL z = (two * xx + ex) * ex;
     if (components > 1) z += (two * xy + ey) * ey;
     if (components > 2) z += (two * xz + ez) * ez;
-    z *= inverse;
+    z *= of.inverse_square;
     const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
-    const SDR_REAL ci = wij * (each ? block->SDR_NAMED(ci)[k] : c);
-    const SDR_REAL cj = wji * (each ? block->SDR_NAMED(cj)[k] : c);
+    const SDR_REAL ci = of.wij * (each ? block->SDR_NAMED(ci)[k] : c);
+    const SDR_REAL cj = of.wji * (each ? block->SDR_NAMED(cj)[k] : c);
     const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
     const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
     SDR_REAL phi = zero;
@@ -167,22 +179,18 @@ SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, co
   _Alignas(64) SDR_REAL F[3][SDR_BLOCK];
   for (int64_t r = first; r < end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
-    const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const int marked = body->run_marked && body->run_marked[r];
-    const int32_t apart = run->j0 > run->i0 ? run->j0 - run->i0 : run->i0 - run->j0;
-    const int overlap = SDR_BUFFERED || apart < run->length;
+    const int overlap =
+        SDR_BUFFERED || (run->j0 > run->i0 ? run->j0 - run->i0 : run->i0 - run->j0) < run->length;
     int fresh = 0;
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
       const sdr_block block = block_at(components, body, run, start, u, f);
       if (marked)
-        fresh |=
-            SDR_NAMED(block_force)(components, law, each, 1, commit, 1, body, &block, class, F);
+        fresh |= SDR_NAMED(block_force)(components, law, each, 1, commit, 1, body, &block, F);
       else if (overlap)
-        fresh |=
-            SDR_NAMED(block_force)(components, law, each, 0, commit, 1, body, &block, class, F);
+        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, 1, body, &block, F);
       else
-        fresh |=
-            SDR_NAMED(block_force)(components, law, each, 0, commit, 0, body, &block, class, F);
+        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, 0, body, &block, F);
       if (marked || overlap) SDR_NAMED(add_block)(components, body, &block, F);
     }
     if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;

@@ -15,6 +15,7 @@ enum { SDR_BLOCK = 256 };
 
 /* A block of a run's pairs: pointers to the first pair's points and slot. */
 typedef struct {
+  const sdr_bond_class *class;
   const double *ui[3], *uj[3];
   double *fi[3], *fj[3];
   const float *high_i[3], *high_j[3], *low_i[3], *low_j[3]; /* mixed */
@@ -46,7 +47,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
                               double *const f[3])
 {
   const int64_t i = run->i0 + start, j = run->j0 + start, slot = run->slot + start;
-  sdr_block block = {0};
+  sdr_block block = {.class = &body->bonds->classes[run->class_index]};
   for (int a = 0; a < components; ++a) {
     block.ui[a] = u[a] + i;
     block.uj[a] = u[a] + j;

@@ -45,13 +45,22 @@ SDR_INLINE double loose_critical(const int marked, const int commit, const sdr_l
   return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
 }
 
-/* One column of a chunk: a slot of each of its points. Flags are collected lane by lane: as one
-   number for all lanes gcc would leave the loop scalar. */
+/* A chunk at work: its first point, displacements, and the sums of its lanes. Flags are collected
+   lane by lane: as one number for all lanes gcc would leave the loop scalar. */
+typedef struct {
+  int64_t point;
+  double *const *u;
+  _Alignas(64) double sum[3][SDR_LANES];
+  _Alignas(64) sdr_flags fresh[SDR_LANES];
+} sdr_chunk;
+
+/* One column of a chunk: a slot of each of its points. */
 SDR_INLINE void force_of_column(const int components, const int law, const int each,
                                 const int marked, const int commit, const sdr_bond_body *body,
-                                int64_t point, int64_t column, double *const u[3],
-                                double sum[3][SDR_LANES], sdr_flags fresh[SDR_LANES])
+                                sdr_chunk *chunk, int64_t column)
 {
+  double *const *const u = chunk->u;
+  const int64_t point = chunk->point;
   const sdr_loose *loose = &body->bonds->loose;
   const int32_t *const restrict neighbour = loose->j + column;
   const double c = body->stiffness, q = body->threshold;
@@ -89,14 +98,14 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
     } else {
       double left = pair.ci + pair.cj;
       if (law == SDR_LAW_CRITICAL_STRETCH)
-        left = loose_critical(marked, commit, &pair, &body->loose_flags[slot], &fresh[lane]);
+        left = loose_critical(marked, commit, &pair, &body->loose_flags[slot], &chunk->fresh[lane]);
       else if (marked)
         left = body->loose_flags[slot] & SDR_CUT ? 0.0 : left;
       phi = left * grown / (pair.both * now);
     }
-    sum[0][lane] += phi * (xx + ex);
-    if (components > 1) sum[1][lane] += phi * (xy + ey);
-    if (components > 2) sum[2][lane] += phi * (xz + ez);
+    chunk->sum[0][lane] += phi * (xx + ex);
+    if (components > 1) chunk->sum[1][lane] += phi * (xy + ey);
+    if (components > 2) chunk->sum[2][lane] += phi * (xz + ez);
   }
 }
 
@@ -105,16 +114,14 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
                                int64_t chunk, double *const u[3], double *const f[3])
 {
   const int64_t *const slot = body->bonds->loose.chunk_slot + chunk;
-  const int64_t point = chunk * SDR_LANES;
-  _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
-  _Alignas(64) sdr_flags fresh[SDR_LANES] = {0};
+  sdr_chunk work = {.point = chunk * SDR_LANES, .u = u};
   for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-    force_of_column(components, law, each, marked, commit, body, point, column, u, sum, fresh);
+    force_of_column(components, law, each, marked, commit, body, &work, column);
   for (int a = 0; a < components; ++a)
-    for (int lane = 0; lane < SDR_LANES; ++lane) f[a][point + lane] += sum[a][lane];
+    for (int lane = 0; lane < SDR_LANES; ++lane) f[a][work.point + lane] += work.sum[a][lane];
   if (law != SDR_LAW_CRITICAL_STRETCH || !commit) return;
   for (int lane = 0; lane < SDR_LANES; ++lane)
-    if (fresh[lane] & (SDR_FRESH_I | SDR_FRESH_J)) body->chunk_fresh[chunk] = 1;
+    if (work.fresh[lane] & (SDR_FRESH_I | SDR_FRESH_J)) body->chunk_fresh[chunk] = 1;
 }
 
 SDR_INLINE void force_of_loose(const int components, const int law, const int each,
