@@ -323,7 +323,9 @@ int sdr_hdf_count(sdr_hdf *file, const char *group)
   return (int)info.nlinks;
 }
 
-sdr_status sdr_hdf_remove(sdr_hdf *file, const char *name)
+sdr_status sdr_hdf_copy(sdr_hdf *from, sdr_hdf *to, const char *name)
 {
-  return H5Ldelete(file->id, name, H5P_DEFAULT) < 0 ? fail_write(file->path) : SDR_OK;
+  if (H5Ocopy(from->id, name, to->id, name, H5P_DEFAULT, H5P_DEFAULT) < 0)
+    return fail_write(to->path);
+  return SDR_OK;
 }

@@ -63,7 +63,7 @@ sdr_status sdr_hdf_read_text(sdr_hdf *file, const char *name, char *text, size_t
 /* How many members a group has ("/" for the root); 0 if there is no such group. */
 int sdr_hdf_count(sdr_hdf *file, const char *group);
 
-/* Remove a group or dataset. */
-sdr_status sdr_hdf_remove(sdr_hdf *file, const char *name);
+/* Copy a group, with all that is in it, or a dataset to the same name in another file. */
+sdr_status sdr_hdf_copy(sdr_hdf *from, sdr_hdf *to, const char *name);
 
 #endif

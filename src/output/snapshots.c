@@ -5,12 +5,14 @@
 #include "output/fragments.h"
 #include "output/frames.h"
 #include "output/hdf.h"
+#include "output/rundir.h"
 #include "output/xdmf.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MOST_FIELDS = 24 };
@@ -212,10 +214,10 @@ static sdr_status finish(sdr_observer *observer, const sdr_moment *moment)
   return sdr_hdf_close(&s->file);
 }
 
-static sdr_status check_points(const snapshots *s)
+static sdr_status check_points(const snapshots *s, sdr_hdf *file)
 {
   sdr_hdf_shape shape;
-  SDR_TRY(sdr_hdf_shape_of(s->file, "points/index", &shape));
+  SDR_TRY(sdr_hdf_shape_of(file, "points/index", &shape));
   if (shape.rows == (size_t)s->points->count) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,
                   "%s holds %zu points, this run has %d, so it cannot be continued; give another "
@@ -223,26 +225,59 @@ static sdr_status check_points(const snapshots *s)
                   s->path, shape.rows, (int)s->points->count);
 }
 
-/* Keep the whole frames up to `time`, remove the others and any torn one. */
-static sdr_status cut(snapshots *s, double time)
+/* Open what a run left that may have been killed while it wrote: a file that ends before its
+   superblock says is padded. NULL if it cannot be read at all. */
+static sdr_status open_left(const snapshots *s, sdr_hdf **left)
 {
-  char group[SDR_FRAME_PATH];
-  const int count = sdr_frames_times(s->file, NULL, 0);
-  double *times = sdr_alloc((size_t)count, sizeof *times);
-  if (!times) return SDR_RUN_FAILED;
-  sdr_frames_times(s->file, times, count);
-  sdr_status status = SDR_OK;
-  while (status == SDR_OK && s->frame_count < count && times[s->frame_count] <= time)
-    status = remember(s, times[s->frame_count]);
-  sdr_free(times);
-  if (status != SDR_OK || s->frame_count == 0) return status;
-  SDR_TRY(check_points(s));
-  for (int k = s->frame_count;; ++k) {
-    sdr_frame_path(group, k, "");
-    if (!sdr_hdf_has(s->file, group)) break;
-    SDR_TRY(sdr_hdf_remove(s->file, group));
+  struct stat info;
+  *left = NULL;
+  sdr_status status = sdr_hdf_open(s->path, 0, left);
+  if (status != SDR_BAD_INPUT || stat(s->path, &info) != 0) return status;
+  if (truncate(s->path, info.st_size + (off_t)frame_bytes(s) + (1 << 20)) != 0) return status;
+  if (sdr_hdf_open(s->path, 0, left) != SDR_OK) *left = NULL;
+  return SDR_OK;
+}
+
+/* Copy whole frames up to `time` into a new file, as many as can be read in turn. */
+static sdr_status copy_frames(snapshots *s, sdr_hdf *left, sdr_hdf *kept, double time)
+{
+  const sdr_hdf_shape single = {SDR_HDF_DOUBLE, 0, 1, 1};
+  char path[SDR_FRAME_PATH];
+  SDR_TRY(check_points(s, left));
+  SDR_TRY(sdr_hdf_copy(left, kept, "points"));
+  for (int k = 0;; ++k) {
+    double at;
+    sdr_frame_path(path, k, "time");
+    if (!sdr_hdf_has(left, path) || sdr_hdf_read(left, path, single, &at) != SDR_OK) break;
+    sdr_frame_path(path, k, "");
+    if (at > time || sdr_hdf_copy(left, kept, path) != SDR_OK) break;
+    SDR_TRY(remember(s, at));
   }
-  return sdr_hdf_flush(s->file);
+  return sdr_hdf_flush(kept);
+}
+
+/* Keep the whole frames up to `time`, in a new file: one that was killed half way through a frame
+   can be read up to there, but not gone on with. */
+static sdr_status keep_frames(snapshots *s, double time)
+{
+  char temporary[PATH_MAX + 8];
+  sdr_hdf *left = NULL, *kept = NULL;
+  snprintf(temporary, sizeof temporary, "%s.part", s->path);
+  SDR_TRY(open_left(s, &left));
+  if (!left || sdr_frames_times(left, NULL, 0) == 0) {
+    sdr_hdf_discard(&left);
+    return SDR_OK;
+  }
+  sdr_status status = sdr_hdf_create(temporary, &kept);
+  if (status == SDR_OK) status = copy_frames(s, left, kept, time);
+  sdr_hdf_discard(&left);
+  if (status == SDR_OK)
+    status = sdr_hdf_close(&kept);
+  else
+    sdr_hdf_discard(&kept);
+  if (status == SDR_OK) return sdr_rundir_settle(temporary, s->path);
+  unlink(temporary);
+  return status;
 }
 
 /* Without a file, or without a frame in it, a new one is begun. */
@@ -256,9 +291,8 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   SDR_TRY(sdr_hdf_close(&s->file));
   if (s->scene->output.snapshots <= 0) return SDR_OK;
   if (access(s->path, F_OK) == 0) {
-    SDR_TRY(sdr_hdf_open(s->path, 1, &s->file));
-    SDR_TRY(cut(s, moment->time + 0.5 * moment->step_size));
-    if (s->frame_count == 0) SDR_TRY(sdr_hdf_close(&s->file));
+    SDR_TRY(keep_frames(s, moment->time + 0.5 * moment->step_size));
+    if (s->frame_count > 0) SDR_TRY(sdr_hdf_open(s->path, 1, &s->file));
   }
   if (s->frame_count > 0) {
     sdr_moment latest = *moment;
