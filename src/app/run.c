@@ -35,6 +35,7 @@ typedef struct {
   sdr_moment moment;
   int64_t steps_before;          /* taken before a resume */
   double started, setup, output; /* s of wall time */
+  char resting[96];              /* for the summary's list of what was skipped */
 } run;
 
 static double wall(void)
@@ -286,9 +287,21 @@ static void print_results(const run *r, const sdr_summary *s, const ring_counts 
   fprintf(out, "results             %s\n", r->directory);
 }
 
+/* Stripes that nothing ever reached were never computed. */
+static void list_resting(run *r)
+{
+  sdr_built *built = &r->built;
+  const double moved = sdr_bond_based_moved(built->model);
+  if (moved >= 1.0 || built->skipped_count >= SDR_SKIPPED_MAX) return;
+  snprintf(r->resting, sizeof r->resting, "regions at rest: nothing reached %.0f %% of the stripes",
+           100.0 * (1.0 - moved));
+  built->skipped[built->skipped_count++] = r->resting;
+}
+
 static sdr_status summarise(run *r, FILE *out)
 {
   const sdr_built *built = &r->built;
+  list_resting(r);
   const double from = wall();
   ring_counts ring = {0};
   sdr_measured measured[MEASURED];
