@@ -23,10 +23,7 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
                                  const sdr_families *families, const sdr_bond_based_how *how,
                                  sdr_model **out);
 
-/* Mark pairs before the run: `mark` gets both reference positions and returns SDR_CUT,
-   SDR_PROTECTED (damage/laws.h) or 0; it gives the same answer for a, b and b, a. *cut_bonds: how
-   many directed bonds are cut now. */
-typedef int (*sdr_pair_mark)(const void *context, const double a[3], const double b[3]);
+/* See sdr_model_ops. */
 sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
                                int64_t *cut_bonds);
 

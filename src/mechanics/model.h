@@ -4,6 +4,7 @@
 #define SDR_MECHANICS_MODEL_H
 
 #include "base/status.h"
+#include "nom/bonds.h"
 #include "nom/points.h"
 
 #include <stddef.h>
@@ -37,6 +38,26 @@ typedef enum {
 } sdr_model_field;
 
 typedef struct sdr_model sdr_model;
+
+/* Mark of a pair before the run, from both reference positions: SDR_CUT, SDR_PROTECTED
+   (damage/laws.h) or 0; the same for a, b and b, a. */
+typedef int (*sdr_pair_mark)(const void *context, const double a[3], const double b[3]);
+
+/* Part of the Hessian of the energy: `block` holds (count components)^2 values, row major, over the
+   displacement components of `point`[0], then of point[1] and so on. */
+typedef void (*sdr_hessian_visitor)(void *context, int count, const int32_t *point,
+                                    const double *block);
+
+/* What a model is made of and what it leaves out: for `check` and the summary. */
+typedef struct {
+  const char *name;       /* as in the scene: "bond_based" */
+  const char *isa;        /* instruction set of its kernels */
+  const sdr_bonds *bonds; /* the model's */
+  int mixed;              /* 1: float kernels are at work */
+  int shared_moduli;      /* 1: no coefficients a point */
+  size_t history_bytes;
+  double moved; /* share of the stripes that something has reached, in [0, 1] */
+} sdr_model_traits;
 
 /* u and f: `components` arrays of points->count values. Unused components are NULL. */
 typedef struct {
@@ -75,6 +96,20 @@ typedef struct {
   void (*visit_damage)(sdr_model *model, double *const u[3],
                        void (*visit)(void *context, int32_t i, int32_t j, double damage),
                        void *context);
+
+  /* Hand out the Hessian of the energy at u (the tangent, symmetric), in parts that sum up to it.
+   */
+  sdr_status (*visit_hessian)(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                              void *context);
+
+  /* Mark all pairs; *cut_bonds: how many directed bonds are cut now. Before the first step only. */
+  sdr_status (*mark)(sdr_model *model, sdr_pair_mark mark, const void *context, int64_t *cut_bonds);
+
+  /* Whether stripes in which nothing has moved yet are skipped (they are at first): the answer has
+     the same bits either way. A model that never skips ignores it. */
+  void (*skip_rest)(sdr_model *model, int skip);
+
+  void (*traits)(const sdr_model *model, sdr_model_traits *out);
 
   /* The blocks that a checkpoint must hold; *count <= SDR_STATE_BLOCKS. */
   void (*state)(sdr_model *model, sdr_state_block *blocks, int *count);

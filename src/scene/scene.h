@@ -111,6 +111,13 @@ typedef enum { SDR_CALIBRATE_FAMILY, SDR_CALIBRATE_PRINTED } sdr_calibration_kin
 /* Weights of a bond in its family. */
 typedef enum { SDR_WEIGHT_CONSTANT, SDR_WEIGHT_PARTIAL_VOLUME, SDR_WEIGHT_ISO } sdr_weight_kind;
 
+/* State-based bodies: linear is small strain, the others finite. */
+typedef enum { SDR_LINEAR, SDR_SAINT_VENANT_KIRCHHOFF, SDR_NEO_HOOKEAN } sdr_elasticity;
+/* Which part of the energy drives damage at a point. */
+typedef enum { SDR_SPLIT_DILATATION, SDR_SPLIT_SPECTRAL } sdr_split;
+/* Ordinary bodies: 000 eq. 42, or the 2-D calibration of 004. */
+typedef enum { SDR_FORM_STANDARD, SDR_FORM_MADENCI_OTERKUS } sdr_ordinary_form;
+
 typedef struct {
   sdr_law law;
   sdr_length ell; /* relative: multiples of the horizon; default 1 horizon */
@@ -227,7 +234,11 @@ typedef struct sdr_scene {
   sdr_weight_kind weight;           /* key `family: {weight: ...}` */
   sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
   sdr_model_kind model;
-  int material_count; /* >= 1 */
+  sdr_elasticity elasticity;            /* key `material.elasticity`; nonordinary only */
+  sdr_split split;                      /* key `damage.split`; state-based only */
+  sdr_ordinary_form form;               /* key `material.form`; ordinary only */
+  double control_shear, control_normal; /* Pa, key `material.control`; NAN: automatic */
+  int material_count;                   /* >= 1 */
   sdr_material *material;
   sdr_damage_scene damage;
   int region_count;
