@@ -1,47 +1,16 @@
 #include "app/build.h"
 
-#include "base/memory.h"
+#include "app/body.h"
 #include "base/parallel.h"
 #include "damage/laws.h"
 #include "geometry/cracks.h"
 #include "geometry/lattice.h"
 #include "geometry/place.h"
-#include "mechanics/bond_based.h"
 #include "time/stable_step.h"
 
-#include <gsl/gsl_rng.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* ---- material -------------------------------------------------------------------------------- */
-
-/* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
-   material, so that they do not depend on how points are stored. */
-static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *points, double *young)
-{
-  int32_t *stored = sdr_alloc((size_t)points->count, sizeof *stored); /* by order of generation */
-  if (!stored) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < points->count; ++i)
-    stored[points->generated ? points->generated[i] : i] = i;
-  sdr_status status = SDR_OK;
-  for (int m = 0; m < scene->material_count && status == SDR_OK; ++m) {
-    const sdr_material *material = &scene->material[m];
-    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
-    if (!random) status = sdr_fail(SDR_RUN_FAILED, "out of memory: no random numbers");
-    if (random) gsl_rng_set(random, (unsigned long)material->scatter_seed);
-    for (int32_t k = 0; random && k < points->count; ++k) {
-      const int32_t i = stored[k];
-      if (points->material[i] != m) continue;
-      const double noise =
-          material->scatter_young > 0.0 ? 2.0 * gsl_rng_uniform(random) - 1.0 : 0.0;
-      young[i] = material->young * (1.0 + material->scatter_young * noise);
-    }
-    if (random) gsl_rng_free(random);
-  }
-  sdr_free(stored);
-  return status;
-}
 
 /* ---- marks: pre-cracks and protected zones --------------------------------------------------- */
 
@@ -84,7 +53,7 @@ static sdr_status mark_bonds(sdr_built *built)
   for (int k = 0; k < scene->damage.protect_count; ++k)
     SDR_TRY(check_place(built, &scene->damage.protect[k], "the protected zone"));
   if (scene->crack_count == 0 && !protect) return SDR_OK;
-  SDR_TRY(sdr_bond_based_mark(built->model, mark_of_pair, scene, &built->cut_bonds));
+  SDR_TRY(built->model->ops->mark(built->model, mark_of_pair, scene, &built->cut_bonds));
   if (scene->crack_count > 0 && built->cut_bonds == 0)
     return sdr_fail(SDR_BAD_INPUT, "%s: the cracks cut no bond; do they lie in the body?",
                     sdr_origin_text(scene->crack[0].origin));
@@ -102,48 +71,12 @@ static sdr_status make_points(sdr_built *built)
   return sdr_points_arrange(built->points);
 }
 
-/* Families and bonds fail for bad horizons only, and do not know the scene. */
-static sdr_status make_bonds(sdr_built *built, sdr_bonds **bonds)
-{
-  static const sdr_family_weight weights[] = {[SDR_WEIGHT_CONSTANT] = SDR_FAMILY_PLAIN,
-                                              [SDR_WEIGHT_PARTIAL_VOLUME] =
-                                                  SDR_FAMILY_PARTIAL_VOLUME,
-                                              [SDR_WEIGHT_ISO] = SDR_FAMILY_ISO};
-  const sdr_scene *scene = built->scene;
-  sdr_status status = sdr_families_create(built->points, weights[scene->weight], &built->families);
-  const sdr_bonds_how how = {.weight =
-                                 scene->weight == SDR_WEIGHT_CONSTANT ? NULL : sdr_families_weight,
-                             .context = built->families};
-  if (status == SDR_OK) status = sdr_bonds_create(built->points, &how, bonds);
-  if (status != SDR_BAD_INPUT) return status;
-  return sdr_fail(SDR_BAD_INPUT, "%s: %s", sdr_origin_text(scene->horizon_origin),
-                  sdr_error_message());
-}
-
 static sdr_status make_model(sdr_built *built)
 {
-  const sdr_scene *scene = built->scene;
-  sdr_bonds *bonds = NULL;
-  SDR_TRY(make_bonds(built, &bonds));
-  built->bonds = bonds;
-  double toughness[256] = {0.0};
-  for (int m = 0; m < scene->material_count; ++m) toughness[m] = scene->material[m].toughness;
-  double *young = sdr_alloc(sdr_points_padded(built->points), sizeof *young);
-  sdr_status status = young ? young_of_points(scene, built->points, young) : SDR_RUN_FAILED;
-  const sdr_bond_based_how model_how = {.dimension = scene->dimension,
-                                        .law = scene->damage.law,
-                                        .calibration = scene->calibration,
-                                        .ell = scene->damage.ell,
-                                        .mixed = scene->mixed,
-                                        .young = young,
-                                        .toughness = toughness};
-  if (status == SDR_OK)
-    status =
-        sdr_bond_based_create(built->points, bonds, built->families, &model_how, &built->model);
-  else
-    sdr_bonds_destroy(&bonds);
-  sdr_free(young);
-  return status == SDR_OK ? mark_bonds(built) : status;
+  SDR_TRY(sdr_body_create(built->scene, built->points, &built->families, &built->model));
+  built->model->ops->traits(built->model, &built->traits);
+  built->bonds = built->traits.bonds;
+  return SDR_OK;
 }
 
 static sdr_status make_system(sdr_built *built)
@@ -227,8 +160,7 @@ static void list_skipped(sdr_built *built)
 {
   const sdr_scene *scene = built->scene;
   skip(built, scene->damage.law == SDR_LAW_NONE, "history: no damage law");
-  skip(built, sdr_bond_based_shared_moduli(built->model),
-       "moduli per point: all points share theirs");
+  skip(built, built->traits.shared_moduli, "moduli per point: all points share theirs");
   skip(built, built->points->components < 3,
        built->points->components < 2 ? "second and third components: 1-D" : "third component: 2-D");
   skip(built, built->bonds->run_count > 0, "index lists: bonds are runs of a lattice");
@@ -252,6 +184,7 @@ static sdr_status build_parts(sdr_built *built)
 {
   SDR_TRY(make_points(built));
   SDR_TRY(make_model(built));
+  SDR_TRY(mark_bonds(built));
   SDR_TRY(make_system(built));
   for (int k = 0; k < built->scene->initial_count; ++k)
     SDR_TRY(set_initial(built, &built->scene->initial[k]));

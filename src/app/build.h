@@ -19,6 +19,7 @@ typedef struct {
   sdr_supports *supports;
   sdr_system *system;
   const sdr_integrator *integrator;
+  sdr_model_traits traits;
   const sdr_bonds *bonds;               /* the model's */
   int64_t cut_bonds;                    /* directed, by pre-cracks */
   double plane_cut;                     /* 0.9 of the damage beside a plane crack: tells cracks */

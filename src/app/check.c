@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "damage/calibration.h"
-#include "mechanics/bond_based.h"
 #include "output/ledger.h"
 
 #include <math.h>
@@ -49,7 +48,7 @@ static void print_memory(const sdr_built *built, FILE *out)
   const double held = (double)sdr_memory_now();
   fprintf(out, "memory              %.1f MB (%.0f bytes a point), of it %.1f MB damage history\n",
           held / 1e6, held / (double)built->points->count,
-          (double)sdr_bond_based_history_bytes(built->model) / 1e6);
+          (double)built->traits.history_bytes / 1e6);
 }
 
 /* Where the constants come from. */
@@ -160,11 +159,10 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
 {
   const sdr_scene *scene = built->scene;
   fprintf(out, "%s\n", scene->title);
-  fprintf(out, "model               bond_based, %s, damage %s, integrator %s\n",
+  fprintf(out, "model               %s, %s, damage %s, integrator %s\n", built->traits.name,
           dimension_names[scene->dimension], law_names[scene->damage.law], built->integrator->name);
-  fprintf(out, "kernels             %s, %s precision, %d thread%s\n",
-          sdr_bond_based_isa(built->model), scene->mixed ? "mixed" : "double", sdr_threads(),
-          sdr_threads() == 1 ? "" : "s");
+  fprintf(out, "kernels             %s, %s precision, %d thread%s\n", built->traits.isa,
+          scene->mixed ? "mixed" : "double", sdr_threads(), sdr_threads() == 1 ? "" : "s");
   print_points(built, out);
   print_step(built, out);
   print_memory(built, out);

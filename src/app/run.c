@@ -3,7 +3,6 @@
 #include "app/build.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "mechanics/bond_based.h"
 #include "output/checkpoint.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
@@ -118,8 +117,8 @@ static void set_moment(run *r)
 static sdr_status begin(run *r, const sdr_run_options *options)
 {
   if (!options->resume) return r->built.integrator->start(r->built.system, r->built.step);
-  SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, sdr_bond_based_isa(r->built.model),
-                              r->observers, r->observer_count));
+  SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, r->built.traits.isa, r->observers,
+                              r->observer_count));
   r->steps_before = r->moment.step;
   r->built.step = r->moment.step_size;
   return SDR_OK;
@@ -148,8 +147,8 @@ static sdr_status observe(run *r)
   for (int k = 0; k < r->observer_count && status == SDR_OK; ++k)
     if (due[k]) status = r->observers[k]->ops->look(r->observers[k], moment);
   if (status == SDR_OK && sdr_checkpoint_due(moment))
-    status = sdr_checkpoint_write(r->directory, moment, sdr_bond_based_isa(r->built.model),
-                                  r->observers, r->observer_count);
+    status = sdr_checkpoint_write(r->directory, moment, r->built.traits.isa, r->observers,
+                                  r->observer_count);
   moment->balance = NULL;
   r->output += wall() - from;
   return status;
@@ -291,7 +290,8 @@ static void print_results(const run *r, const sdr_summary *s, const ring_counts 
 static void list_resting(run *r)
 {
   sdr_built *built = &r->built;
-  const double moved = sdr_bond_based_moved(built->model);
+  built->model->ops->traits(built->model, &built->traits);
+  const double moved = built->traits.moved;
   if (moved >= 1.0 || built->skipped_count >= SDR_SKIPPED_MAX) return;
   snprintf(r->resting, sizeof r->resting, "regions at rest: nothing reached %.0f %% of the stripes",
            100.0 * (1.0 - moved));
@@ -307,7 +307,7 @@ static sdr_status summarise(run *r, FILE *out)
   sdr_measured measured[MEASURED];
   sdr_summary summary = {.scene = built->scene,
                          .commit = SUNDER_COMMIT,
-                         .instruction_set = sdr_bond_based_isa(built->model),
+                         .instruction_set = built->traits.isa,
                          .threads = sdr_threads(),
                          .points = built->points->count,
                          .bonds = built->bonds->directed,

@@ -185,6 +185,33 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
   *count = n;
 }
 
+static void skip_rest(sdr_model *model, int skip)
+{
+  ((sdr_bond_model *)model)->keep_resting = !skip;
+}
+
+static size_t history_bytes(const sdr_bond_model *bond)
+{
+  const size_t slots = (size_t)(bond->bonds->run_slots + bond->bonds->loose.slot_count);
+  if (bond->body.law == SDR_LAW_VARIATIONAL) return slots * sizeof(float);
+  return bond->body.flags || bond->body.loose_flags ? slots * sizeof(sdr_flags) : 0;
+}
+
+static void traits(const sdr_model *model, sdr_model_traits *out)
+{
+  const sdr_bond_model *bond = (const sdr_bond_model *)model;
+  const int stripes = model->points->stripe_count;
+  int moved = 0;
+  for (int s = 0; s < stripes; ++s) moved += bond->moved[s];
+  *out = (sdr_model_traits){.name = model->ops->name,
+                            .isa = bond->kernels->name,
+                            .bonds = bond->bonds,
+                            .mixed = bond->body.mixed,
+                            .shared_moduli = !bond->body.stiffness_at,
+                            .history_bytes = history_bytes(bond),
+                            .moved = (double)moved / stripes};
+}
+
 static void destroy(sdr_model *model)
 {
   sdr_bond_model *bond = (sdr_bond_model *)model;
@@ -221,6 +248,9 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .tangent_diagonal = sdr_bond_tangent_diagonal,
                                   .field = sdr_bond_field,
                                   .visit_damage = sdr_bond_visit_damage,
+                                  .mark = sdr_bond_mark,
+                                  .skip_rest = skip_rest,
+                                  .traits = traits,
                                   .state = state,
                                   .destroy = destroy};
 
@@ -332,46 +362,4 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   }
   *out = &model->head;
   return SDR_OK;
-}
-
-void sdr_bond_based_skip_rest(sdr_model *model, int skip)
-{
-  ((sdr_bond_model *)model)->keep_resting = !skip;
-}
-
-double sdr_bond_based_moved(const sdr_model *model)
-{
-  const sdr_bond_model *bond = (const sdr_bond_model *)model;
-  int moved = 0;
-  for (int s = 0; s < model->points->stripe_count; ++s) moved += bond->moved[s];
-  return (double)moved / model->points->stripe_count;
-}
-
-const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model)
-{
-  return ((const sdr_bond_model *)model)->bonds;
-}
-
-const char *sdr_bond_based_isa(const sdr_model *model)
-{
-  return ((const sdr_bond_model *)model)->kernels->name;
-}
-
-int sdr_bond_based_mixed(const sdr_model *model)
-{
-  return ((const sdr_bond_model *)model)->body.mixed;
-}
-
-int sdr_bond_based_shared_moduli(const sdr_model *model)
-{
-  return ((const sdr_bond_model *)model)->body.stiffness_at == NULL;
-}
-
-size_t sdr_bond_based_history_bytes(const sdr_model *model)
-{
-  const sdr_bond_model *bond = (const sdr_bond_model *)model;
-  const size_t slots = (size_t)(bond->bonds->run_slots + bond->bonds->loose.slot_count);
-  return bond->body.law == SDR_LAW_VARIATIONAL                ? slots * sizeof(float)
-         : bond->body.flags != NULL || bond->body.loose_flags ? slots * sizeof(sdr_flags)
-                                                              : 0;
 }

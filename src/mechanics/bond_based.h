@@ -23,22 +23,4 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
                                  const sdr_families *families, const sdr_bond_based_how *how,
                                  sdr_model **out);
 
-/* See sdr_model_ops. */
-sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
-                               int64_t *cut_bonds);
-
-/* Whether stripes in which nothing has moved yet are skipped (they are at first): the answer has
-   the same bits either way. */
-void sdr_bond_based_skip_rest(sdr_model *model, int skip);
-
-/* Share of the stripes that moved so far, in [0, 1]. */
-double sdr_bond_based_moved(const sdr_model *model);
-
-/* The bonds of the body, and what it keeps: for `check` and the summary. */
-const sdr_bonds *sdr_bond_based_bonds(const sdr_model *model);
-const char *sdr_bond_based_isa(const sdr_model *model);
-int sdr_bond_based_mixed(const sdr_model *model); /* 0 where no bond is in a run */
-int sdr_bond_based_shared_moduli(const sdr_model *model);
-size_t sdr_bond_based_history_bytes(const sdr_model *model);
-
 #endif

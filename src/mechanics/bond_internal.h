@@ -62,6 +62,8 @@ sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field 
 void sdr_bond_visit_damage(sdr_model *model, double *const u[3],
                            void (*visit)(void *context, int32_t i, int32_t j, double damage),
                            void *context);
+sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
+                         int64_t *cut_bonds);
 void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *const out[3]);
 sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
                                   double *const out[3]);

@@ -40,8 +40,8 @@ static int run_has_mark(const sdr_bond_body *body, const sdr_bond_run *run)
   return 0;
 }
 
-sdr_status sdr_bond_based_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
-                               int64_t *cut_bonds)
+sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
+                         int64_t *cut_bonds)
 {
   sdr_bond_model *bond = (sdr_bond_model *)model;
   sdr_bond_body *body = &bond->body;

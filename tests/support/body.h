@@ -107,6 +107,13 @@ static inline void body_materials(body *b)
                   (b->points->material[i] == 1 ? 0.5 : 1.0);
 }
 
+static inline sdr_model_traits body_traits(const sdr_model *model)
+{
+  sdr_model_traits traits;
+  model->ops->traits(model, &traits);
+  return traits;
+}
+
 static inline body body_create(const body_how *how)
 {
   body b = {.how = *how, .points = body_points(how, NULL)};

@@ -180,7 +180,7 @@ static inline void reference_mark(reference *r, sdr_pair_mark mark)
 {
   const sdr_points *points = r->body->points;
   int64_t cut;
-  assert_int_equal(sdr_bond_based_mark(r->body->model, mark, NULL, &cut), SDR_OK);
+  assert_int_equal(r->body->model->ops->mark(r->body->model, mark, NULL, &cut), SDR_OK);
   assert_true(cut > 0);
   for (int32_t i = 0; i < points->count; ++i)
     for (int32_t j = 0; j < points->count; ++j) {

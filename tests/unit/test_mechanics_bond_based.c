@@ -26,7 +26,7 @@ static void cut_bonds_are_counted_by_direction(void **state)
     reference r = reference_create(&b);
     int64_t cut, expected = 0;
     reference_mark(&r, body_cut_and_protect);
-    assert_int_equal(sdr_bond_based_mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
+    assert_int_equal(b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
     double *u[3];
     vector_create(b.points, u);
     for (int32_t i = 0; i < b.points->count; ++i)
@@ -61,7 +61,7 @@ static void a_mark_that_meets_nothing_changes_nothing(void **state)
     vector_create(plain.points, u);
     vector_create(plain.points, f);
     vector_create(plain.points, g);
-    assert_int_equal(sdr_bond_based_mark(marked.model, nothing, NULL, &cut), SDR_OK);
+    assert_int_equal(marked.model->ops->mark(marked.model, nothing, NULL, &cut), SDR_OK);
     assert_int_equal(cut, 0);
     vector_noise(plain.points, 0.02 * body_spacing, 3, u);
     plain.model->ops->force(plain.model, u, f);
@@ -104,23 +104,23 @@ static void a_body_says_what_it_keeps(void **state)
   body_how how = shapes[0];
   body b = body_create(&how);
   const size_t slots = (size_t)b.bonds->run_slots;
-  assert_int_equal(sdr_bond_based_history_bytes(b.model), slots * sizeof(float));
-  assert_int_equal(sdr_bond_based_shared_moduli(b.model), 1);
-  assert_ptr_equal(sdr_bond_based_bonds(b.model), b.bonds);
+  assert_int_equal(body_traits(b.model).history_bytes, slots * sizeof(float));
+  assert_int_equal(body_traits(b.model).shared_moduli, 1);
+  assert_ptr_equal(body_traits(b.model).bonds, b.bonds);
   assert_int_equal(b.model->bonds, b.bonds->directed);
-  assert_string_equal(b.model->ops->name, "bond_based");
+  assert_string_equal(body_traits(b.model).name, "bond_based");
   body_destroy(&b);
 
   how.law = SDR_LAW_CRITICAL_STRETCH;
   how.scatter = 0.1;
   b = body_create(&how);
-  assert_int_equal(sdr_bond_based_history_bytes(b.model), slots * sizeof(sdr_flags));
-  assert_int_equal(sdr_bond_based_shared_moduli(b.model), 0);
+  assert_int_equal(body_traits(b.model).history_bytes, slots * sizeof(sdr_flags));
+  assert_int_equal(body_traits(b.model).shared_moduli, 0);
   body_destroy(&b);
 
   how.law = SDR_LAW_NONE;
   b = body_create(&how);
-  assert_int_equal(sdr_bond_based_history_bytes(b.model), 0);
+  assert_int_equal(body_traits(b.model).history_bytes, 0);
   body_destroy(&b);
 }
 

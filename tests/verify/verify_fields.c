@@ -111,7 +111,7 @@ static void a_plane_cut_removes_11_of_28_bonds(void **state)
   const body_how how = {.dimension = SDR_PLANE_STRESS, .cells = {20, 21}};
   body b = body_create(&how);
   int64_t cut;
-  assert_int_equal(sdr_bond_based_mark(b.model, cut_at_x_0, NULL, &cut), SDR_OK);
+  assert_int_equal(b.model->ops->mark(b.model, cut_at_x_0, NULL, &cut), SDR_OK);
   double *u[3];
   vector_create(b.points, u);
   double *damage = field_of(&b, u, SDR_FIELD_DAMAGE);
@@ -193,7 +193,7 @@ static void energy_fields_sum_to_the_energies(void **state)
         how.scatter = 0.3 * scatter;
         body b = body_create(&how);
         int64_t cut;
-        assert_int_equal(sdr_bond_based_mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
+        assert_int_equal(b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
         double *u[3];
         vector_create(b.points, u);
         vector_noise(b.points, 0.02 * body_spacing, 7, u);

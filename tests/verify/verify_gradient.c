@@ -146,7 +146,7 @@ static void every_body(double factor, void (*check)(const body *, double *const[
         body b = body_create(&how);
         int64_t cut;
         if (variant & 4)
-          assert_int_equal(sdr_bond_based_mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
+          assert_int_equal(b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
         double *u[3];
         vector_create(b.points, u);
         stretched(&b, 1.0, 3, u);

@@ -116,7 +116,7 @@ static void play(const body_how *how, double *f[3], sdr_energies *energies, char
   vector_create(b.points, u);
   vector_create(b.points, v);
   vector_create(b.points, f);
-  snprintf(isa, 16, "%s", sdr_bond_based_isa(b.model));
+  snprintf(isa, 16, "%s", body_traits(b.model).isa);
   for (uint64_t step = 1; step < 4; ++step) {
     vector_noise(b.points, 0.02 * body_spacing, step, u);
     vector_noise(b.points, 1.0, step + 10, v);

@@ -10,7 +10,7 @@ static double force_error(const body_how *how, double amplitude)
     body_how one = *how;
     one.mixed = mixed;
     body b = body_create(&one);
-    assert_int_equal(sdr_bond_based_mixed(b.model), mixed);
+    assert_int_equal(body_traits(b.model).mixed, mixed);
     vector_create(b.points, u);
     vector_create(b.points, v);
     vector_create(b.points, f[mixed]);

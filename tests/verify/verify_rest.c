@@ -1,5 +1,4 @@
 /* Stripes in which nothing has moved are skipped without a change of one bit (design sec. 2). */
-#include "mechanics/bond_based.h"
 #include "support/scene_text.h"
 
 static const char *const knocked =
@@ -40,10 +39,10 @@ static void skipping_what_rests_changes_no_bit(void **state)
       scene_build(&skipping, knocked, bodies[k][0], bodies[k][1], laws[law], bodies[k][2],
                   bodies[k][3]);
       scene_build(&all, knocked, bodies[k][0], bodies[k][1], laws[law], bodies[k][2], bodies[k][3]);
-      sdr_bond_based_skip_rest(all.model, 0);
+      all.model->ops->skip_rest(all.model, 0);
       run_start(&skipping);
       run_start(&all);
-      const double at_first = sdr_bond_based_moved(skipping.model);
+      const double at_first = body_traits(skipping.model).moved;
       for (int n = 0; n < 200; ++n) {
         run_step(&skipping);
         run_step(&all);
@@ -51,7 +50,7 @@ static void skipping_what_rests_changes_no_bit(void **state)
       }
       compare_runs(&skipping, &all);
       assert_true(at_first < 0.2);
-      assert_true(sdr_bond_based_moved(skipping.model) > at_first);
+      assert_true(body_traits(skipping.model).moved > at_first);
       if (law > 0) {
         sdr_energies e;
         all.model->ops->energies(all.model, all.system->u, &e);

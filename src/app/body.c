@@ -1,0 +1,96 @@
+#include "app/body.h"
+
+#include "base/memory.h"
+#include "mechanics/bond_based.h"
+
+#include <gsl/gsl_rng.h>
+
+/* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
+   material, so that they do not depend on how points are stored. */
+static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *points, double *young)
+{
+  int32_t *stored = sdr_alloc((size_t)points->count, sizeof *stored); /* by order of generation */
+  if (!stored) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < points->count; ++i)
+    stored[points->generated ? points->generated[i] : i] = i;
+  sdr_status status = SDR_OK;
+  for (int m = 0; m < scene->material_count && status == SDR_OK; ++m) {
+    const sdr_material *material = &scene->material[m];
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    if (!random) status = sdr_fail(SDR_RUN_FAILED, "out of memory: no random numbers");
+    if (random) gsl_rng_set(random, (unsigned long)material->scatter_seed);
+    for (int32_t k = 0; random && k < points->count; ++k) {
+      const int32_t i = stored[k];
+      if (points->material[i] != m) continue;
+      const double noise =
+          material->scatter_young > 0.0 ? 2.0 * gsl_rng_uniform(random) - 1.0 : 0.0;
+      young[i] = material->young * (1.0 + material->scatter_young * noise);
+    }
+    if (random) gsl_rng_free(random);
+  }
+  sdr_free(stored);
+  return status;
+}
+
+/* Families and bonds fail for bad horizons only, and do not know the scene. */
+static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
+                             sdr_families **families, sdr_bonds **bonds)
+{
+  static const sdr_family_weight weights[] = {[SDR_WEIGHT_CONSTANT] = SDR_FAMILY_PLAIN,
+                                              [SDR_WEIGHT_PARTIAL_VOLUME] =
+                                                  SDR_FAMILY_PARTIAL_VOLUME,
+                                              [SDR_WEIGHT_ISO] = SDR_FAMILY_ISO};
+  sdr_status status = sdr_families_create(points, weights[scene->weight], families);
+  const sdr_bonds_how how = {.weight =
+                                 scene->weight == SDR_WEIGHT_CONSTANT ? NULL : sdr_families_weight,
+                             .context = *families};
+  if (status == SDR_OK) status = sdr_bonds_create(points, &how, bonds);
+  if (status != SDR_BAD_INPUT) return status;
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s", sdr_origin_text(scene->horizon_origin),
+                  sdr_error_message());
+}
+
+/* ---- models ---------------------------------------------------------------------------------- */
+
+/* What a model is made from; values a material index. */
+typedef struct {
+  const sdr_scene *scene;
+  const sdr_points *points;
+  const sdr_families *families;
+  const double *young; /* Pa, a point */
+  double toughness[256];
+} parts;
+
+static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **out)
+{
+  const sdr_bond_based_how how = {.dimension = p->scene->dimension,
+                                  .law = p->scene->damage.law,
+                                  .calibration = p->scene->calibration,
+                                  .ell = p->scene->damage.ell,
+                                  .mixed = p->scene->mixed,
+                                  .young = p->young,
+                                  .toughness = p->toughness};
+  return sdr_bond_based_create(p->points, bonds, p->families, &how, out);
+}
+
+/* Each takes the bonds over. */
+static sdr_status (*const makers[])(const parts *p, sdr_bonds *bonds,
+                                    sdr_model **out) = {[SDR_BOND_BASED] = make_bond_based};
+
+sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
+                           sdr_families **families, sdr_model **model)
+{
+  sdr_bonds *bonds = NULL;
+  SDR_TRY(make_bonds(scene, points, families, &bonds));
+  parts p = {.scene = scene, .points = points, .families = *families};
+  for (int m = 0; m < scene->material_count; ++m) p.toughness[m] = scene->material[m].toughness;
+  double *young = sdr_alloc(sdr_points_padded(points), sizeof *young);
+  sdr_status status = young ? young_of_points(scene, points, young) : SDR_RUN_FAILED;
+  p.young = young;
+  if (status == SDR_OK)
+    status = makers[scene->model](&p, bonds, model);
+  else
+    sdr_bonds_destroy(&bonds);
+  sdr_free(young);
+  return status;
+}

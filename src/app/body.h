@@ -1,0 +1,14 @@
+/* The body of a scene: families, bonds and the model that the scene names. */
+#ifndef SDR_APP_BODY_H
+#define SDR_APP_BODY_H
+
+#include "mechanics/model.h"
+#include "nom/family.h"
+#include "scene/scene.h"
+
+/* Families and model over arranged points, which they borrow. A horizon that gives no bonds is
+   SDR_BAD_INPUT, with its place in the scene. Owner: the caller, of both. */
+sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
+                           sdr_families **families, sdr_model **model);
+
+#endif
