@@ -1,4 +1,6 @@
 /* Which instruction set's kernels run. */
+#include "mechanics/isa.h"
+
 #include "mechanics/bond_body.h"
 
 #include <string.h>
@@ -19,10 +21,16 @@ static int processor_level(void)
 #endif
 }
 
+int sdr_isa_level(void)
+{
+  const int own = processor_level();
+  return own < limit ? own : limit;
+}
+
 const sdr_bond_kernels *sdr_bond_kernels_best(void)
 {
 #ifdef SDR_HAVE_X86_KERNELS
-  const int own = processor_level(), level = own < limit ? own : limit;
+  const int level = sdr_isa_level();
   if (level == 2) return &sdr_bond_kernels_avx512;
   if (level == 1) return &sdr_bond_kernels_avx2;
 #endif
