@@ -119,7 +119,8 @@ int sdr_state_rests(const sdr_state_body *body, int s, int below, int above);
    happened at u. Nothing is done where no run_fresh or chunk_fresh is set. */
 void sdr_state_book(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
 
-/* Visit the slots of stripe s that have an end with body->fresh. */
+/* Visit the slots of stripe s that have an end with body->fresh; of loose ones those of fresh
+   points. */
 void sdr_state_visit_fresh(const sdr_state_body *body, int s, sdr_pair_visitor visit,
                            void *context);
 
