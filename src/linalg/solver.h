@@ -16,18 +16,25 @@ sdr_status sdr_solver_create(const char *name, sdr_matrix_kind kind, sdr_solver 
 void sdr_solver_destroy(sdr_solver **solver); /* NULL-safe */
 
 /* Factor (or prepare) A, which is borrowed until the next factor or destroy. A singular matrix is
-   SDR_RUN_FAILED with the row at which it failed, where that is known. */
+   SDR_RUN_FAILED with the row at which it failed, where that is known; so is one that is not
+   positive definite though said to be. OpenBLAS is set to one thread, unless the environment names
+   a number (OPENBLAS_NUM_THREADS): on small supernodes two were 8 times slower. */
 sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix);
 
-/* Solve for one right-hand side; x and b hold `rows` values and may not overlap. */
+/* Solve for one right-hand side; x and b hold `rows` values and may not overlap. Direct solvers
+   refine their answer once or twice where its residual asks for it. An answer with a residual above
+   1e-6 is SDR_RUN_FAILED: A is singular to working precision, or pcg did not converge. */
 sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x);
 
-/* The solver that was chosen, what it held at most (bytes) and its iterations so far (0: direct).
- */
+/* What a solver was, held and did. */
 typedef struct {
-  const char *name;
-  double bytes;
-  int64_t iterations;
+  const char *name;     /* the solver that was chosen; "auto" before the first factor */
+  double bytes;         /* held at most */
+  double nonzeros;      /* of the factor; 0: none */
+  double flops;         /* that the factor took; 0: none or not known */
+  int64_t iterations;   /* so far; 0: direct */
+  double residual;      /* |b - A x|/|b| of the last solve */
+  int32_t singular_row; /* where the last factor or solve found A singular; -1: nowhere */
 } sdr_solver_report;
 sdr_solver_report sdr_solver_report_of(const sdr_solver *solver);
 

@@ -1,0 +1,220 @@
+#include "linalg/solver.h"
+
+#include "base/memory.h"
+#include "linalg/solver_ops.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const sdr_solver_ops *const table[] = {&sdr_solver_cholmod, &sdr_solver_klu,
+                                              &sdr_solver_umfpack, &sdr_solver_pcg};
+static const char *const kind_names[] = {"symmetric positive definite", "symmetric", "general"};
+
+struct sdr_solver {
+  const sdr_solver_ops *ops; /* NULL: chosen at the first factor */
+  int automatic;
+  sdr_matrix_kind kind;
+  const sdr_csr *matrix;
+  void *state;
+  double *residual, *correction;
+  sdr_solver_report report;
+};
+
+/* ---- choice ---------------------------------------------------------------------------------- */
+
+static const sdr_solver_ops *find(const char *name)
+{
+  for (size_t k = 0; k < sizeof table / sizeof *table; ++k)
+    if (strcmp(table[k]->name, name) == 0) return table[k];
+  return NULL;
+}
+
+/* Iterate where a factor would take far longer than some 300 products, or more than 8 GB: at
+   1.5e10 flops a second, and 1e9 for products that stream the matrix. So 3-D bodies from some
+   10,000 points on, 2-D ones beyond a million. */
+static sdr_status choose(sdr_matrix_kind kind, const sdr_csr *matrix, const sdr_solver_ops **out)
+{
+  double flops = 0.0, nonzeros = 0.0;
+  *out = &sdr_solver_umfpack;
+  if (kind != SDR_MATRIX_POSITIVE) return SDR_OK;
+  SDR_TRY(sdr_cholmod_cost(matrix, &flops, &nonzeros));
+  const double products = 600.0 * (double)matrix->row[matrix->rows] / 1e9;
+  const int iterate = flops / 1.5e10 > 2.0 + products || 8.0 * nonzeros > 8e9;
+  *out = iterate ? &sdr_solver_pcg : &sdr_solver_cholmod;
+  return SDR_OK;
+}
+
+static void limit_threads(void)
+{
+  if (!getenv("OPENBLAS_NUM_THREADS")) openblas_set_num_threads(1);
+}
+
+sdr_status sdr_solver_create(const char *name, sdr_matrix_kind kind, sdr_solver **out)
+{
+  const int automatic = strcmp(name, "auto") == 0;
+  const sdr_solver_ops *ops = find(name);
+  if (!ops && !automatic)
+    return sdr_fail(SDR_BAD_INPUT,
+                    "there is no linear solver '%s'; choose auto, cholmod, klu, umfpack or pcg",
+                    name);
+  if (ops && !ops->takes[kind])
+    return sdr_fail(SDR_BAD_INPUT,
+                    "the linear solver '%s' does not take a %s matrix; choose auto or umfpack",
+                    name, kind_names[kind]);
+  sdr_solver *solver = sdr_alloc(1, sizeof *solver);
+  if (!solver) return SDR_RUN_FAILED;
+  *solver = (sdr_solver){.ops = ops, .automatic = automatic, .kind = kind};
+  solver->report = (sdr_solver_report){.name = ops ? ops->name : "auto", .singular_row = -1};
+  *out = solver;
+  return SDR_OK;
+}
+
+static void drop_state(sdr_solver *solver)
+{
+  if (solver->state) solver->ops->destroy(solver->state);
+  solver->state = NULL;
+  sdr_free(solver->residual);
+  sdr_free(solver->correction);
+  solver->residual = solver->correction = NULL;
+  solver->matrix = NULL;
+}
+
+void sdr_solver_destroy(sdr_solver **solver)
+{
+  if (!*solver) return;
+  drop_state(*solver);
+  sdr_free(*solver);
+  *solver = NULL;
+}
+
+sdr_solver_report sdr_solver_report_of(const sdr_solver *solver)
+{
+  return solver->report;
+}
+
+/* ---- factor ---------------------------------------------------------------------------------- */
+
+sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
+{
+  if (matrix->rows != matrix->columns)
+    return sdr_fail(SDR_RUN_FAILED, "a matrix of %d x %d cannot be solved with: it is not square",
+                    (int)matrix->rows, (int)matrix->columns);
+  limit_threads();
+  drop_state(solver);
+  const size_t rows = (size_t)matrix->rows;
+  if (solver->automatic) SDR_TRY(choose(solver->kind, matrix, &solver->ops));
+  solver->report.name = solver->ops->name;
+  solver->report.singular_row = -1;
+  solver->residual = sdr_alloc(rows, sizeof(double));
+  solver->correction = sdr_alloc(rows, sizeof(double));
+  if (!solver->residual || !solver->correction) return SDR_RUN_FAILED;
+  if (rows > 0) SDR_TRY(solver->ops->factor(solver->kind, matrix, &solver->state, &solver->report));
+  solver->matrix = matrix;
+  return SDR_OK;
+}
+
+sdr_status sdr_solver_singular(sdr_solver_report *report, const sdr_csr *matrix, int32_t row,
+                               const char *how)
+{
+  report->singular_row = row;
+  if (row < 0)
+    return sdr_fail(SDR_RUN_FAILED, "the matrix of %d rows is %s", (int)matrix->rows, how);
+  return sdr_fail(SDR_RUN_FAILED, "the matrix of %d rows is %s at row %d", (int)matrix->rows, how,
+                  (int)row);
+}
+
+double sdr_solver_smallest_pivot(int32_t rows)
+{
+  return 16.0 * 2.2e-16 * sqrt((double)rows);
+}
+
+int32_t sdr_solver_weakest_pivot(const sdr_csr *matrix, const double *scale, const int64_t *order,
+                                 const double *pivot, double *ratio)
+{
+  int32_t weakest = -1;
+  *ratio = INFINITY;
+  for (int32_t k = 0; k < matrix->rows; ++k) {
+    const int64_t row = order[k];
+    double most = 0.0;
+    for (int64_t p = matrix->row[row]; p < matrix->row[row + 1]; ++p)
+      most = fmax(most, fabs(matrix->value[p] * scale[matrix->column[p]]));
+    const double here = most > 0.0 ? fabs(pivot[k]) / most : 0.0;
+    if (here >= *ratio) continue;
+    weakest = (int32_t)row;
+    *ratio = isnan(here) ? 0.0 : here;
+  }
+  return weakest;
+}
+
+int64_t *sdr_csr_wide_columns(const sdr_csr *matrix)
+{
+  const int64_t count = matrix->row[matrix->rows];
+  int64_t *wide = sdr_alloc((size_t)count, sizeof *wide);
+  for (int64_t k = 0; wide && k < count; ++k) wide[k] = matrix->column[k];
+  return wide;
+}
+
+/* ---- solve ----------------------------------------------------------------------------------- */
+
+static double norm(const double *x, int32_t count)
+{
+  double most = 0.0, sum = 0.0;
+  for (int32_t k = 0; k < count; ++k) most = fmax(most, fabs(x[k]));
+  if (!(most > 0.0) || isinf(most)) return most;
+  for (int32_t k = 0; k < count; ++k) sum += (x[k] / most) * (x[k] / most);
+  return most * sqrt(sum);
+}
+
+/* residual = b - A x, and its norm over that of b. */
+static double residual_of(const sdr_solver *solver, const double *b, const double *x)
+{
+  const int32_t rows = solver->matrix->rows;
+  sdr_csr_times(solver->matrix, x, solver->residual);
+  int finite = 1;
+  for (int32_t k = 0; k < rows; ++k) {
+    solver->residual[k] = b[k] - solver->residual[k];
+    finite &= isfinite(solver->residual[k]) != 0;
+  }
+  const double whole = norm(b, rows), left = norm(solver->residual, rows);
+  if (!finite) return (double)INFINITY;
+  return whole > 0.0 ? left / whole : left;
+}
+
+/* Refine while it pays; x keeps the best. */
+static sdr_status refine(sdr_solver *solver, const double *b, double *x)
+{
+  enum { ROUNDS = 3 };
+  const int32_t rows = solver->matrix->rows;
+  double *residual = &solver->report.residual;
+  for (int round = 0; round<ROUNDS && * residual> 1e-14 && isfinite(*residual); ++round) {
+    SDR_TRY(
+        solver->ops->solve(solver->state, solver->residual, solver->correction, &solver->report));
+    for (int32_t k = 0; k < rows; ++k) x[k] += solver->correction[k];
+    const double now = residual_of(solver, b, x);
+    if (!(now < *residual)) {
+      for (int32_t k = 0; k < rows; ++k) x[k] -= solver->correction[k];
+      return SDR_OK;
+    }
+    const int slow = now > 0.5 * *residual;
+    *residual = now;
+    if (slow) return SDR_OK;
+  }
+  return SDR_OK;
+}
+
+sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x)
+{
+  if (!solver->matrix) return sdr_fail(SDR_RUN_FAILED, "no matrix has been factored");
+  solver->report.residual = 0.0;
+  if (solver->matrix->rows == 0) return SDR_OK;
+  SDR_TRY(solver->ops->solve(solver->state, b, x, &solver->report));
+  solver->report.residual = residual_of(solver, b, x);
+  if (solver->ops->direct) SDR_TRY(refine(solver, b, x));
+  if (solver->report.residual <= 1e-6) return SDR_OK;
+  return sdr_fail(SDR_RUN_FAILED,
+                  "the linear solver '%s' left a residual of %.1e of the right-hand side: the "
+                  "matrix is singular to working precision",
+                  solver->report.name, solver->report.residual);
+}
