@@ -24,10 +24,12 @@ static inline double sdr_distance_squared(const sdr_points *points, int32_t i, i
   return square;
 }
 
-/* 1 if a neighbour at that squared distance lies in H_i; ties count as inside. */
+/* 1 if a neighbour at that squared distance lies in H_i; ties count as inside. Points without a
+   family have no neighbour. */
 static inline int sdr_in_horizon(const sdr_points *points, int32_t i, double distance_squared)
 {
-  return distance_squared <= points->horizon[i] * points->horizon[i] * (1.0 + 1e-9);
+  return sdr_has_family(points, i) &&
+         distance_squared <= points->horizon[i] * points->horizon[i] * (1.0 + 1e-9);
 }
 
 #endif

@@ -53,6 +53,7 @@ void sdr_points_destroy(sdr_points **points)
   sdr_free(p->horizon);
   sdr_free(p->material);
   sdr_free(p->level);
+  sdr_free(p->layer);
   sdr_free(p->generated);
   sdr_free(p->cell);
   sdr_free(p->rows);
@@ -202,6 +203,7 @@ static sdr_status sort_points(sdr_points *points, keyed *order)
   permute(points->horizon, sizeof(double), order, points->count, scratch);
   permute(points->material, sizeof(uint8_t), order, points->count, scratch);
   permute(points->level, sizeof(uint8_t), order, points->count, scratch);
+  permute(points->layer, sizeof(uint8_t), order, points->count, scratch);
   permute(points->cell, 3 * sizeof(int32_t), order, points->count, scratch);
   for (int32_t i = 0; i < points->count; ++i) points->generated[i] = order[i].point;
   sdr_free(scratch);
@@ -303,6 +305,7 @@ int32_t sdr_points_nearest(const sdr_points *points, const double at[3])
   double best_distance = INFINITY;
   for (int32_t i = 0; i < points->count; ++i) {
     double distance = 0.0;
+    if (!sdr_in_body(points, i)) continue;
     for (int a = 0; a < points->components; ++a) {
       const double d = points->x[a][i] - at[a];
       distance += d * d;

@@ -14,6 +14,8 @@ typedef struct {
   int32_t cell[3];
 } sdr_row;
 
+enum { SDR_NO_FAMILY = 0x80, SDR_LAYERS = 0x7f };
+
 /* Owned points come first, ghosts (copies of another process's points; none on one machine) after
    them. Arrays are 64-byte aligned and padded with zeros to a multiple of 8 beyond `count + 8`. */
 typedef struct {
@@ -25,7 +27,11 @@ typedef struct {
   double *spacing; /* m */
   double *horizon; /* m */
   uint8_t *material;
-  uint8_t *level;     /* refinement level, 0 coarsest; NULL: all 0 */
+  uint8_t *level; /* refinement level, 0 coarsest; NULL: all 0 */
+  /* Fictitious points outside the body, that follow points of the body: 1 + the index of their
+     layer, SDR_NO_FAMILY added where they have no family of their own (they stand in others'). 0:
+     a point of the body. NULL: all are. */
+  uint8_t *layer;
   int irregular;      /* 1: positions lie on no lattice of their own spacing (jittered, imported) */
   int32_t *generated; /* index in the order of generation; NULL: the same order. Random numbers are
                          drawn in that order, so that they do not depend on the storage order */
@@ -57,7 +63,20 @@ size_t sdr_points_padded(const sdr_points *points);
    curve), set `generated`, rows and stripes. Needs x and horizon, and cell on a lattice. */
 sdr_status sdr_points_arrange(sdr_points *points);
 
-/* Index of the point nearest to at[3]; ties go to the lowest generated index. Linear search. */
+/* 1 if point i is one of the body, not of a layer outside it. */
+static inline int sdr_in_body(const sdr_points *points, int32_t i)
+{
+  return !points->layer || points->layer[i] == 0;
+}
+
+/* 1 if point i has a family of its own. */
+static inline int sdr_has_family(const sdr_points *points, int32_t i)
+{
+  return !points->layer || !(points->layer[i] & SDR_NO_FAMILY);
+}
+
+/* Index of the body's point nearest to at[3]; ties go to the lowest generated index. Linear
+   search. */
 int32_t sdr_points_nearest(const sdr_points *points, const double at[3]);
 
 #endif
