@@ -110,7 +110,7 @@ sdr_status sdr_separation_energy(const sdr_families *families, const sdr_family 
       crossing += xi[a] * n[a];
       square += xi[a] * xi[a];
     }
-    const double b = sdr_family_bond_weight(families, family, family->lambda, xi);
+    const double b = sdr_family_bond_weight(families, family, xi);
     sum += b * sqrt(square) * fabs(crossing) * family->volume;
   }
   sdr_stencil_destroy(&stencil);

@@ -23,7 +23,10 @@ sdr_status sdr_bonds_create(const sdr_points *points, const sdr_bonds_how *how, 
   if (status == SDR_OK) {
     /* A lattice has the same neighbours everywhere only if it has one horizon. */
     const int runs = points->row_count > 0 && !how->force_loose && one_horizon(points);
-    status = runs ? sdr_lattice_runs(points, how, bonds) : sdr_loose_pairs(points, how, bonds);
+    bonds->one_sided = how->one_sided;
+    if (runs) status = sdr_lattice_runs(points, how, bonds);
+    if (status == SDR_OK && (!runs || how->bulk))
+      status = sdr_loose_pairs(points, how, runs ? how->bulk : NULL, bonds);
   }
   if (status == SDR_OK && bonds->pairs == 0)
     status = sdr_fail(SDR_BAD_INPUT, "no two points are within a horizon of each other, so the "
@@ -81,7 +84,8 @@ void sdr_bonds_visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_vis
                      .j = loose->j[slot],
                      .slot = slot,
                      .loose = 1,
-                     .primary = i < loose->j[slot],
+                     .primary =
+                         (bonds->one_sided && loose->weight_ji[slot] == 0.0) || i < loose->j[slot],
                      .weight_ij = loose->weight_ij[slot],
                      .weight_ji = loose->weight_ji[slot]};
     double square = 0.0;

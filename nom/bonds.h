@@ -49,6 +49,7 @@ typedef struct {
   int64_t directed; /* sum over i of |H_i| */
   int64_t pairs;    /* unordered pairs, runs and loose */
   int64_t loose_pairs;
+  int one_sided; /* see sdr_bonds_how: a loose pair outside one of the families has one slot */
 } sdr_bonds;
 
 /* How the bonds are to be made. */
@@ -58,6 +59,12 @@ typedef struct {
      once per class, with i and j two points of that class. `xi` has 3 entries. */
   double (*weight)(const void *context, int32_t i, int32_t j, const double xi[3]);
   const void *context;
+  /* A point: runs join points with 1 here only, other pairs are loose; NULL: all points. So a
+     weight may depend on more than xi at the others. */
+  const uint8_t *bulk;
+  /* 1: no dual horizon: i interacts with its own H_i only, as without the other half of a bond
+     whose ends have different horizons. Momentum is not kept: to show ghost forces. */
+  int one_sided;
 } sdr_bonds_how;
 
 /* Make all bonds of the arranged points. Ties |xi| = horizon count as inside (theory sec. 1).
@@ -70,7 +77,8 @@ typedef struct {
   int32_t i, j;
   int64_t slot;
   int loose;   /* which slot numbering */
-  int primary; /* 1 for one slot of each unordered pair: all of runs, loose with i < j */
+  int primary; /* 1 for one slot of each unordered pair: all of runs; loose with i < j, or with
+                  the only slot there is */
   double xi[3];
   double length;
   double weight_ij, weight_ji;

@@ -1,65 +1,79 @@
 #include "nom/family.h"
 
 #include "base/memory.h"
-#include "nom/neighbourhood.h"
-#include "nom/stencil.h"
+#include "nom/family_sums.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- sums over one family, bond by bond ------------------------------------------------------ */
+/* ---- weights --------------------------------------------------------------------------------- */
 
-typedef struct {
-  int components;
-  double first, second, volume;
-  double offset[3]; /* sum xi V: far from 0 if the family is one-sided */
-  double quartic[SDR_MONOMIALS];
-  double gram[SDR_MONOMIALS * SDR_MONOMIALS];
-} sums;
-
-/* Add a neighbour at xi with volume v and weight b. */
-static void add_bond(sums *s, const double xi[3], double v, double b)
+double sdr_family_plain_weight(const sdr_families *families, const sdr_family *family,
+                               double length)
 {
-  double square = 0.0, phi[SDR_MONOMIALS];
-  for (int a = 0; a < s->components; ++a) square += xi[a] * xi[a];
-  const double length = sqrt(square);
-  const double n[3] = {xi[0] / length, xi[1] / length, xi[2] / length};
-  const int count = sdr_quartic(s->components, n, phi);
-  s->first += b * length * v;
-  s->second += b * square * v;
-  s->volume += v;
-  for (int a = 0; a < 3; ++a) s->offset[a] += xi[a] * v;
-  for (int r = 0; r < count; ++r) {
-    s->quartic[r] += b * length * v * phi[r];
-    for (int c = 0; c < count; ++c) s->gram[r * count + c] += b * length * v * phi[r] * phi[c];
-  }
+  /* A neighbour on the horizon itself stays one, and that shows in a weight above zero. */
+  static const double least = 1e-12;
+  const sdr_families_how *how = &families->how;
+  double b = sdr_influence_at(how->influence, length / family->horizon);
+  if (how->partial_volume) b *= sdr_partial_volume(length, family->horizon, family->spacing);
+  return b > least ? b : least;
+}
+
+/* (sum n_a^2/S_a^2)^(-1/2) */
+static double ellipsoid(int components, const double factor[3], const double n[3])
+{
+  double sum = 0.0;
+  for (int a = 0; a < components; ++a) sum += n[a] * n[a] / (factor[a] * factor[a]);
+  return 1.0 / sqrt(sum);
+}
+
+/* Length of xi, and its direction. */
+static double direction(const double xi[3], double n[3])
+{
+  const double length = sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
+  for (int a = 0; a < 3; ++a) n[a] = xi[a] / length;
+  return length;
 }
 
 double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
-                              const double lambda[SDR_MONOMIALS], const double xi[3])
+                              const double xi[3])
 {
-  const double length = sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
-  switch (families->weight) {
-  case SDR_FAMILY_PARTIAL_VOLUME:
-    return sdr_partial_volume(length, family->horizon, family->spacing);
-  case SDR_FAMILY_ISO: {
-    const double n[3] = {xi[0] / length, xi[1] / length, xi[2] / length};
-    return sdr_iso_weight(families->points->components, lambda, n);
-  }
+  double n[3];
+  const double b = sdr_family_plain_weight(families, family, direction(xi, n));
+  const int components = families->points->components;
+  switch (families->how.correction) {
+  case SDR_CORRECTION_ISO:
+  case SDR_CORRECTION_SURFACE_ISO:
+    return b * sdr_iso_weight(components, family->lambda, n);
+  case SDR_CORRECTION_MADENCI_OTERKUS:
+    return b * ellipsoid(components, family->axial, n);
   default:
-    return 1.0;
+    return b;
   }
 }
 
 double sdr_families_weight(const void *context, int32_t i, int32_t j, const double xi[3])
 {
   const sdr_families *families = context;
-  (void)j;
   const sdr_family *family = sdr_family_of(families, i);
-  const double *lambda =
-      families->lambda ? families->lambda + SDR_MONOMIALS * (size_t)i : family->lambda;
-  return sdr_family_bond_weight(families, family, lambda, xi);
+  const int components = families->points->components;
+  double n[3];
+  if (families->lambda) {
+    const double *lambda = families->lambda + SDR_MONOMIALS * (size_t)i;
+    const double b = sdr_family_plain_weight(families, family, direction(xi, n));
+    return b * (families->scale ? families->scale[i] : 1.0) * sdr_iso_weight(components, lambda, n);
+  }
+  if (families->axial) {
+    const size_t count = (size_t)components;
+    const double *si = families->axial + count * (size_t)i,
+                 *sj = families->axial + count * (size_t)j;
+    double mean[3] = {0.0};
+    for (int a = 0; a < components; ++a) mean[a] = 0.5 * (si[a] + sj[a]);
+    return sdr_family_plain_weight(families, family, direction(xi, n)) *
+           ellipsoid(components, mean, n);
+  }
+  return sdr_family_bond_weight(families, family, xi);
 }
 
 /* ---- a lattice's full stencil ---------------------------------------------------------------- */
@@ -72,27 +86,18 @@ void sdr_stencil_vector(const sdr_points *points, double spacing, const int32_t 
     for (int b = 0; b < points->components; ++b) xi[b] += spacing * step[a] * points->axes[a][b];
 }
 
-static sums sum_stencil(const sdr_families *families, const sdr_family *family,
-                        const sdr_stencil *stencil, int weighted)
+static int is_iso(const sdr_families *families)
 {
-  sums total = {.components = families->points->components};
-  for (int k = 0; k < stencil->count; ++k) {
-    double xi[3];
-    sdr_stencil_vector(families->points, family->spacing, stencil->step + 3 * k, xi);
-    add_bond(&total, xi, family->volume,
-             weighted ? sdr_family_bond_weight(families, family, family->lambda, xi) : 1.0);
-  }
-  return total;
+  return families->how.correction == SDR_CORRECTION_ISO ||
+         families->how.correction == SDR_CORRECTION_SURFACE_ISO;
 }
 
-static void take_moments(sdr_family *family, const sums *total)
+static int is_axial(const sdr_families *families)
 {
-  family->first = total->first;
-  family->second = total->second;
-  memcpy(family->quartic, total->quartic, sizeof family->quartic);
+  return families->how.correction == SDR_CORRECTION_MADENCI_OTERKUS;
 }
 
-static sdr_status moments_of_stencil(const sdr_families *families, sdr_family *family)
+static sdr_status moments_of_stencil(sdr_families *families, sdr_family *family)
 {
   sdr_stencil stencil;
   const int components = families->points->components;
@@ -102,134 +107,77 @@ static sdr_status moments_of_stencil(const sdr_families *families, sdr_family *f
   int removed = 0;
   for (int k = 0; k < stencil.count; ++k) removed += stencil.step[3 * k] > 0;
   family->cut_share = (double)removed / stencil.count;
+  for (int a = 0; a < 3; ++a) family->axial[a] = 1.0;
   sdr_status status = SDR_OK;
-  if (families->weight == SDR_FAMILY_ISO) {
-    const sums plain = sum_stencil(families, family, &stencil, 0);
-    status = sdr_iso_solve(components, plain.gram, plain.quartic, plain.first, family->lambda);
-  }
+  const sdr_family_sums plain = sdr_sum_stencil(families, family, &stencil, SDR_WEIGHED_PLAIN);
+  family->moment = plain.moment;
+  if (is_iso(families))
+    status = sdr_iso_solve(components, plain.gram, plain.quartic, plain.moment, family->lambda);
+  if (is_axial(families)) sdr_axial_factors(families, family, plain.quartic, family->axial);
   if (status == SDR_OK) {
-    const sums total = sum_stencil(families, family, &stencil, 1);
-    take_moments(family, &total);
+    const sdr_family_sums full = sdr_sum_stencil(families, family, &stencil, SDR_WEIGHED_FULL);
+    family->first = is_axial(families) ? plain.first : full.first;
+    family->moment = is_axial(families) ? plain.moment : full.moment;
+    family->second = full.second;
+    memcpy(family->quartic, full.quartic, sizeof family->quartic);
   }
   sdr_stencil_destroy(&stencil);
   return status;
 }
 
-/* ---- irregular points ------------------------------------------------------------------------ */
+/* ---- what each point's own family asks for --------------------------------------------------- */
 
-static sums sum_neighbours(const sdr_families *families, const sdr_neighbourhood *near, int32_t i,
-                           int weighted)
+static sdr_status find_bulk(sdr_families *families, const sdr_neighbourhood *near)
 {
   const sdr_points *points = families->points;
-  sums total = {.components = points->components};
-  for (int64_t k = near->row[i]; k < near->row[i + 1]; ++k) {
-    const int32_t j = near->column[k];
-    double xi[3] = {0.0};
-    for (int a = 0; a < points->components; ++a) xi[a] = points->x[a][j] - points->x[a][i];
-    add_bond(&total, xi, points->volume[j],
-             weighted ? sdr_families_weight(families, i, j, xi) : 1.0);
-  }
-  return total;
+  if (points->row_count == 0) return SDR_OK;
+  families->bulk = sdr_alloc(sdr_points_padded(points), 1);
+  if (!families->bulk) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < points->count; ++i)
+    families->bulk[i] = near->row[i + 1] - near->row[i] == sdr_family_of(families, i)->neighbours;
+  return SDR_OK;
 }
 
-/* Measure of the ball of radius `horizon`, times thickness or area. */
-static double ball(const sdr_points *points, const sdr_family *family)
+/* Means of the corrected weights, where the constants stay those of the plain ones. */
+static sdr_status axial_means(sdr_families *families, const sdr_neighbourhood *near)
 {
-  const double d = family->horizon, pi = 3.14159265358979323846;
-  const double across = family->volume / pow(family->spacing, points->components);
-  const double measure[3] = {2.0 * d, pi * d * d, 4.0 / 3.0 * pi * d * d * d};
-  return across * measure[points->components - 1];
-}
-
-/* A family counts as complete if it fills its ball and lies around its point. */
-static int complete(const sdr_points *points, const sdr_family *family, const sums *total)
-{
-  double offset = 0.0;
-  for (int a = 0; a < 3; ++a) offset += total->offset[a] * total->offset[a];
-  return total->volume > 0.9 * ball(points, family) &&
-         sqrt(offset) < 0.1 * total->volume * family->horizon;
-}
-
-static void continuum_moments(const sdr_points *points, sdr_family *family)
-{
-  const int n = points->components;
-  const double volume = ball(points, family), d = family->horizon;
-  const double plain[3][5] = {{1.0}, {3.0 / 8, 0, 1.0 / 8, 0, 3.0 / 8}};
-  family->source = SDR_MOMENTS_CONTINUUM;
-  family->first = volume * d * n / (n + 1);
-  family->second = volume * d * d * n / (n + 2);
-  if (n < 3) {
-    for (int k = 0; k < 5; ++k) family->quartic[k] = family->first * plain[n - 1][k];
-    return;
-  }
-  int k = 0;
-  for (int a = 4; a >= 0; --a)
-    for (int b = 4 - a; b >= 0; --b, ++k) {
-      const int c = 4 - a - b, even = a % 2 == 0 && b % 2 == 0;
-      family->quartic[k] = !even ? 0.0 : family->first / (a == 4 || b == 4 || c == 4 ? 5.0 : 15.0);
-    }
-}
-
-/* Add the complete families' moments up in their family, whose moments were zeroed. */
-static void add_complete(sdr_families *families, const sdr_neighbourhood *near, int64_t *counted)
-{
-  const sdr_points *points = families->points;
-  for (int32_t i = 0; i < points->count; ++i) {
-    const int32_t f = families->of_point ? families->of_point[i] : 0;
-    sdr_family *family = &families->family[f];
-    const sums own = sum_neighbours(families, near, i, 1);
-    if (!complete(points, family, &own)) continue;
-    ++counted[f];
-    family->first += own.first;
-    family->second += own.second;
-    for (int k = 0; k < SDR_MONOMIALS; ++k) family->quartic[k] += own.quartic[k];
-  }
-}
-
-static sdr_status mean_moments(sdr_families *families, const sdr_neighbourhood *near)
-{
-  int64_t *counted = sdr_alloc((size_t)families->count, sizeof *counted);
-  if (!counted) return SDR_RUN_FAILED;
-  const sums zero = {0};
-  for (int f = 0; f < families->count; ++f) take_moments(&families->family[f], &zero);
-  add_complete(families, near, counted);
+  double(*kept)[2] = sdr_alloc((size_t)families->count, sizeof *kept);
+  if (!kept) return SDR_RUN_FAILED;
   for (int f = 0; f < families->count; ++f) {
     sdr_family *family = &families->family[f];
-    const double n = (double)counted[f];
-    if (counted[f] == 0) {
-      continuum_moments(families->points, family);
-      continue;
-    }
-    family->source = SDR_MOMENTS_MEAN;
-    family->first /= n;
-    family->second /= n;
-    for (int k = 0; k < SDR_MONOMIALS; ++k) family->quartic[k] /= n;
+    kept[f][0] = family->first;
+    kept[f][1] = family->moment;
+    sdr_axial_factors(families, family, family->quartic, family->axial);
   }
-  sdr_free(counted);
-  return SDR_OK;
+  const sdr_status status = sdr_irregular_moments(families, near);
+  for (int f = 0; f < families->count; ++f) {
+    families->family[f].first = kept[f][0];
+    families->family[f].moment = kept[f][1];
+  }
+  sdr_free(kept);
+  return status;
 }
 
-static sdr_status own_iso_weights(sdr_families *families, const sdr_neighbourhood *near)
+static sdr_status correct_points(sdr_families *families, const sdr_neighbourhood *near)
 {
-  const sdr_points *points = families->points;
-  families->lambda = sdr_alloc((size_t)points->count, SDR_MONOMIALS * sizeof(double));
-  if (!families->lambda) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < points->count; ++i) {
-    const sums own = sum_neighbours(families, near, i, 0);
-    if (own.first <= 0.0) continue; /* no neighbour: no weight */
-    SDR_TRY(sdr_iso_solve(points->components, own.gram, own.quartic, own.first,
-                          families->lambda + SDR_MONOMIALS * (size_t)i));
-  }
-  return SDR_OK;
+  const int irregular = families->points->irregular;
+  const int surface = families->how.correction == SDR_CORRECTION_SURFACE_ISO;
+  if (!irregular) SDR_TRY(find_bulk(families, near));
+  if (is_iso(families)) SDR_TRY(sdr_own_iso_weights(families, near));
+  if (irregular) SDR_TRY(sdr_irregular_moments(families, near));
+  if (surface) SDR_TRY(sdr_own_scales(families, near));
+  if (!is_axial(families)) return SDR_OK;
+  SDR_TRY(sdr_own_axial_factors(families, near));
+  return irregular ? axial_means(families, near) : SDR_OK;
 }
 
-static sdr_status irregular_moments(sdr_families *families)
+static sdr_status correct(sdr_families *families)
 {
+  const int surface = families->how.correction == SDR_CORRECTION_SURFACE_ISO;
+  if (!families->points->irregular && !surface && !is_axial(families)) return SDR_OK;
   sdr_neighbourhood near;
   SDR_TRY(sdr_neighbourhood_create(families->points, &near));
-  sdr_status status =
-      families->weight == SDR_FAMILY_ISO ? own_iso_weights(families, &near) : SDR_OK;
-  if (status == SDR_OK) status = mean_moments(families, &near);
+  const sdr_status status = correct_points(families, &near);
   sdr_neighbourhood_destroy(&near);
   return status;
 }
@@ -297,17 +245,17 @@ cleanup:
   return status;
 }
 
-sdr_status sdr_families_create(const sdr_points *points, sdr_family_weight weight,
+sdr_status sdr_families_create(const sdr_points *points, const sdr_families_how *how,
                                sdr_families **out)
 {
   sdr_families *families = sdr_alloc(1, sizeof *families);
   if (!families) return SDR_RUN_FAILED;
   families->points = points;
-  families->weight = weight;
+  families->how = *how;
   sdr_status status = group_points(families);
   for (int f = 0; f < families->count && status == SDR_OK; ++f)
     status = moments_of_stencil(families, &families->family[f]);
-  if (status == SDR_OK && points->irregular) status = irregular_moments(families);
+  if (status == SDR_OK) status = correct(families);
   if (status != SDR_OK) {
     sdr_families_destroy(&families);
     return status;
@@ -323,6 +271,9 @@ void sdr_families_destroy(sdr_families **families)
   sdr_free(f->family);
   sdr_free(f->of_point);
   sdr_free(f->lambda);
+  sdr_free(f->scale);
+  sdr_free(f->axial);
+  sdr_free(f->bulk);
   sdr_free(f);
   *families = NULL;
 }

@@ -6,7 +6,7 @@
 #include <gsl/gsl_linalg.h>
 
 /* Mean over directions of each quartic monomial: 3/8, 1/8 in 2-D; 1/5, 1/15 in 3-D; odd ones 0. */
-static void isotropic_means(int components, double mean[SDR_MONOMIALS])
+void sdr_quartic_means(int components, double mean[SDR_MONOMIALS])
 {
   static const double pure[3] = {1.0, 3.0 / 8.0, 1.0 / 5.0};
   static const double mixed[3] = {0.0, 1.0 / 8.0, 1.0 / 15.0};
@@ -44,7 +44,7 @@ sdr_status sdr_iso_solve(int components, const double *gram, const double *momen
   gsl_set_error_handler_off();
   const size_t n = (size_t)sdr_monomial_count(components);
   double mean[SDR_MONOMIALS];
-  isotropic_means(components, mean);
+  sdr_quartic_means(components, mean);
   gsl_matrix *a = gsl_matrix_alloc(n, n);
   gsl_vector *right = gsl_vector_alloc(n), *x = gsl_vector_alloc(n);
   sdr_status status = SDR_RUN_FAILED;

@@ -71,6 +71,7 @@ static int find_partner(const row_index *index, const int32_t line[2], int32_t s
 
 typedef struct {
   const row_index *index;
+  const uint8_t *bulk; /* see sdr_bonds_how */
   sdr_bonds *bonds;
   int64_t *cursor; /* next free run of each stripe; NULL while counting into stripe_run[s + 1] */
 } run_builder;
@@ -95,6 +96,24 @@ static void add_run(run_builder *build, int class_index, const sdr_row *row, con
                      .length = length};
 }
 
+/* The pairs from `from` to `to` along the row, without those that must be loose. */
+static void add_bulk_runs(run_builder *build, int class_index, const sdr_row *row,
+                          const sdr_row *partner, int32_t from, int32_t to, int32_t shift)
+{
+  if (!build->bulk) {
+    add_run(build, class_index, row, partner, from, to - from, shift);
+    return;
+  }
+  const int axis = build->index->points->row_axis;
+  const uint8_t *i = build->bulk + row->first, *j = build->bulk + partner->first;
+  for (int32_t start = from; start < to;) {
+    int32_t end = start;
+    while (end < to && i[end - row->cell[axis]] && j[end + shift - partner->cell[axis]]) ++end;
+    if (end > start) add_run(build, class_index, row, partner, start, end - start, shift);
+    start = end + 1;
+  }
+}
+
 /* All runs of one row in one class. */
 static void runs_of_row(run_builder *build, int class_index, const int32_t step[3],
                         const sdr_row *row)
@@ -112,7 +131,7 @@ static void runs_of_row(run_builder *build, int class_index, const int32_t step[
     if (partner_start >= end) break;
     const int32_t from = start > partner_start ? start : partner_start;
     const int32_t to = end < partner_end ? end : partner_end;
-    add_run(build, class_index, row, partner, from, to - from, shift);
+    add_bulk_runs(build, class_index, row, partner, from, to, shift);
   }
 }
 
@@ -199,7 +218,7 @@ sdr_status sdr_lattice_runs(const sdr_points *points, const sdr_bonds_how *how, 
 {
   sdr_stencil stencil = {0};
   row_index index = {0};
-  run_builder build = {&index, bonds, NULL};
+  run_builder build = {.index = &index, .bulk = how->bulk, .bonds = bonds};
   sdr_status status =
       sdr_stencil_create(points->components, points->lattice_spacing, points->horizon[0], &stencil);
   if (status == SDR_OK) status = index_rows(points, &index);

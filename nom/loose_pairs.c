@@ -12,9 +12,26 @@ enum { BLOCK = 128 }; /* chunks a task */
 typedef struct {
   const sdr_points *points;
   const sdr_bonds_how *how;
+  const uint8_t *bulk; /* pairs between two such points are in runs; NULL: none is */
   sdr_neighbourhood family, dual_only;
   sdr_loose *loose;
 } loose_builder;
+
+/* Drop the pairs that runs hold. */
+static void keep_loose(loose_builder *build)
+{
+  sdr_neighbourhood *family = &build->family;
+  int64_t kept = 0, first = 0;
+  for (int32_t i = 0; i < build->points->count; ++i) {
+    const int64_t end = family->row[i + 1];
+    for (int64_t k = first; k < end; ++k) {
+      const int32_t j = family->column[k];
+      if (!build->bulk[i] || !build->bulk[j]) family->column[kept++] = j;
+    }
+    family->row[i + 1] = kept;
+    first = end;
+  }
+}
 
 /* Visit all (j, i) with i in H_j but j not in H_i: count into row[i + 1], or place j. */
 static void each_dual_only(const loose_builder *build, int64_t *row, int64_t *cursor,
@@ -47,6 +64,13 @@ static sdr_status find_dual_only(loose_builder *build)
   }
   sdr_free(cursor);
   return dual->column && cursor ? SDR_OK : SDR_RUN_FAILED;
+}
+
+/* Without the dual horizon a point knows its own family only. */
+static void forget_dual_only(loose_builder *build)
+{
+  const size_t count = (size_t)build->points->count;
+  memset(build->dual_only.row, 0, (count + 1) * sizeof *build->dual_only.row);
 }
 
 static int64_t degree(const loose_builder *build, int32_t i)
@@ -123,18 +147,25 @@ static void fill_block(void *context, int block)
                  loose->chunk_slot[c + 1]);
 }
 
-sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds)
+sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, const uint8_t *bulk,
+                           sdr_bonds *bonds)
 {
-  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose};
+  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose, .bulk = bulk};
+  int64_t one_sided = 0; /* pairs outside one of the families */
   sdr_status status = sdr_neighbourhood_create(points, &build.family);
+  if (status == SDR_OK && bulk) keep_loose(&build);
   if (status == SDR_OK) status = find_dual_only(&build);
-  if (status == SDR_OK) status = size_chunks(&build);
+  if (status == SDR_OK) {
+    one_sided = build.dual_only.row[points->count];
+    if (how->one_sided) forget_dual_only(&build);
+    status = size_chunks(&build);
+  }
   if (status == SDR_OK) {
     sdr_parallel_for(0, (bonds->loose.chunk_count + BLOCK - 1) / BLOCK, 1, fill_block, &build);
-    bonds->directed = build.family.row[points->count];
-    /* Each pair is counted twice in family + dual_only rows together. */
-    bonds->pairs = (bonds->directed + build.dual_only.row[points->count]) / 2;
-    bonds->loose_pairs = bonds->pairs;
+    const int64_t directed = build.family.row[points->count];
+    bonds->directed += directed;
+    bonds->loose_pairs = (directed + one_sided) / 2; /* each counted twice */
+    bonds->pairs += bonds->loose_pairs;
   }
   sdr_neighbourhood_destroy(&build.family);
   sdr_neighbourhood_destroy(&build.dual_only);

@@ -4,8 +4,9 @@
 
 #include "nom/bonds.h"
 
-/* Fill in the loose part and the counts of an empty `bonds`: all pairs {i, j} with j in H_i or i in
-   H_j. */
-sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds);
+/* Add the loose part and its counts to `bonds`: all pairs {i, j} with j in H_i or i in H_j, but not
+   those between two points of `bulk` (NULL: no such point), which are in runs. */
+sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, const uint8_t *bulk,
+                           sdr_bonds *bonds);
 
 #endif

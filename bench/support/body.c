@@ -73,7 +73,8 @@ static sdr_status make_points(const bench_how *how, bench_body *body)
   const double spacing = how->dimension == 3 ? 1e-3 : how->spacing;
   const double depth = how->dimension == 3 ? spacing : 1e-3;
   sdr_points *points;
-  SDR_TRY(sdr_points_create(place(how, spacing, NULL), how->dimension, 1, &points));
+  SDR_TRY(
+      sdr_points_create(place(how, spacing, NULL), how->layer ? 3 : how->dimension, 1, &points));
   body->points = points;
   place(how, spacing, points);
   points->lattice_spacing = spacing;
@@ -116,10 +117,11 @@ static sdr_status make_model(const bench_how *how, bench_body *body)
   sdr_status status = modulus ? SDR_OK : SDR_RUN_FAILED;
   for (int32_t i = 0; modulus && i < points->count; ++i)
     modulus[i] = young * (how->scattered ? 1.0 + 0.05 * noise(points, i, 3.0) : 1.0);
-  if (status == SDR_OK) status = sdr_families_create(points, SDR_FAMILY_PLAIN, &body->families);
+  if (status == SDR_OK)
+    status = sdr_families_create(points, &(sdr_families_how){0}, &body->families);
   if (status == SDR_OK) status = sdr_bonds_create(points, &bonds_how, &bonds);
   const sdr_bond_based_how model_how = {.dimension =
-                                            how->dimension == 3 ? SDR_3D : SDR_PLANE_STRESS,
+                                            points->components == 3 ? SDR_3D : SDR_PLANE_STRESS,
                                         .law = how->law,
                                         .mixed = how->mixed,
                                         .calibration = SDR_CALIBRATE_FAMILY,

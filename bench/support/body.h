@@ -14,6 +14,7 @@ typedef struct {
   int scattered; /* 1: every point has its own modulus */
   int shuffled; /* 1: points come in random order, without lattice, and are sorted by the library */
   int loose;    /* 1: no runs */
+  int layer;    /* 1: the ring as one layer of a body in three components */
   int mixed;    /* 1: forces of runs in float arithmetic */
 } bench_how;
 

@@ -36,15 +36,15 @@ static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *poin
 static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
                              sdr_families **families, sdr_bonds **bonds)
 {
-  static const sdr_family_weight weights[] = {[SDR_WEIGHT_CONSTANT] = SDR_FAMILY_PLAIN,
-                                              [SDR_WEIGHT_PARTIAL_VOLUME] =
-                                                  SDR_FAMILY_PARTIAL_VOLUME,
-                                              [SDR_WEIGHT_ISO] = SDR_FAMILY_ISO};
-  sdr_status status = sdr_families_create(points, weights[scene->weight], families);
-  const sdr_bonds_how how = {.weight =
-                                 scene->weight == SDR_WEIGHT_CONSTANT ? NULL : sdr_families_weight,
-                             .context = *families};
-  if (status == SDR_OK) status = sdr_bonds_create(points, &how, bonds);
+  const sdr_families_how how = {
+      .partial_volume = scene->weight == SDR_WEIGHT_PARTIAL_VOLUME,
+      .correction = scene->weight == SDR_WEIGHT_ISO ? SDR_CORRECTION_ISO : SDR_CORRECTION_NONE};
+  sdr_status status = sdr_families_create(points, &how, families);
+  if (status == SDR_OK) {
+    const sdr_bonds_how bonds_how = {
+        .weight = sdr_families_weight, .context = *families, .bulk = (*families)->bulk};
+    status = sdr_bonds_create(points, &bonds_how, bonds);
+  }
   if (status != SDR_BAD_INPUT) return status;
   return sdr_fail(SDR_BAD_INPUT, "%s: %s", sdr_origin_text(scene->horizon_origin),
                   sdr_error_message());

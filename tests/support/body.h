@@ -23,7 +23,7 @@ typedef struct {
   double jitter;         /* share of the spacing; > 0: no lattice */
   double horizon_spread; /* horizons are ratio (1 + this share of noise) spacings */
   sdr_law law;
-  sdr_family_weight weight;
+  sdr_families_how weight;
   double ell;        /* in horizons; 0: 1 */
   double stretch;    /* s_c or s0 for the modulus without scatter; 0: 0.01 */
   double scatter;    /* of Young's modulus, share */
@@ -117,12 +117,12 @@ static inline sdr_model_traits body_traits(const sdr_model *model)
 static inline body body_create(const body_how *how)
 {
   body b = {.how = *how, .points = body_points(how, NULL)};
-  assert_int_equal(sdr_families_create(b.points, how->weight, &b.families), SDR_OK);
+  assert_int_equal(sdr_families_create(b.points, &how->weight, &b.families), SDR_OK);
   body_materials(&b);
   const sdr_bonds_how bonds_how = {.force_loose = how->force_loose,
-                                   .weight =
-                                       how->weight == SDR_FAMILY_PLAIN ? NULL : sdr_families_weight,
-                                   .context = b.families};
+                                   .weight = sdr_families_weight,
+                                   .context = b.families,
+                                   .bulk = b.families->bulk};
   sdr_bonds *bonds;
   assert_int_equal(sdr_bonds_create(b.points, &bonds_how, &bonds), SDR_OK);
   const sdr_bond_based_how model_how = {.dimension = how->dimension,

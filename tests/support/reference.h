@@ -113,9 +113,7 @@ static inline long double reference_weight(const reference *r, int32_t i, int32_
 {
   const sdr_points *points = r->body->points;
   if (!reference_in_family(points, i, xi)) return 0.0L;
-  const double b = r->body->how.weight == SDR_FAMILY_PLAIN
-                       ? 1.0
-                       : sdr_families_weight(r->body->families, i, j, xi);
+  const double b = sdr_families_weight(r->body->families, i, j, xi);
   return (long double)b * (long double)points->volume[i] * (long double)points->volume[j];
 }
 

@@ -28,7 +28,7 @@ static sdr_families *lattice_family(int components, double ratio, sdr_points **p
   }
   assert_int_equal(sdr_points_arrange(*points), SDR_OK);
   sdr_families *families;
-  assert_int_equal(sdr_families_create(*points, SDR_FAMILY_PLAIN, &families), SDR_OK);
+  assert_int_equal(sdr_families_create(*points, &(sdr_families_how){0}, &families), SDR_OK);
   return families;
 }
 

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+static const sdr_families_how plain = {0}, iso = {.correction = SDR_CORRECTION_ISO};
+
 static void assert_close(double value, double expected, double tolerance)
 {
   if (!(fabs(value - expected) <= tolerance))
@@ -74,7 +76,7 @@ static void moments_of_a_lattice_are_its_stencils_at_surfaces_too(void **state)
   (void)state;
   sdr_points *points = square(4, 0.0, 0.2, 3.015); /* no point has a complete family */
   sdr_families *families;
-  assert_int_equal(sdr_families_create(points, SDR_FAMILY_PLAIN, &families), SDR_OK);
+  assert_int_equal(sdr_families_create(points, &plain, &families), SDR_OK);
   double first = 0.0, second = 0.0;
   for (int y = -3; y <= 3; ++y)
     for (int x = -3; x <= 3; ++x)
@@ -100,7 +102,7 @@ static void isotropic_weights_make_fourth_moments_isotropic(void **state)
   for (int k = 0; k < 4; ++k) {
     sdr_points *points = square(4, 0.0, 0.3 * k, 2.0 + 0.7 * k);
     sdr_families *families;
-    assert_int_equal(sdr_families_create(points, SDR_FAMILY_ISO, &families), SDR_OK);
+    assert_int_equal(sdr_families_create(points, &iso, &families), SDR_OK);
     const sdr_family *f = families->family;
     static const double mean[5] = {3.0 / 8.0, 0.0, 1.0 / 8.0, 0.0, 3.0 / 8.0};
     for (int c = 0; c < 5; ++c) assert_close(f->quartic[c] / f->first, mean[c], 1e-13);
@@ -133,7 +135,7 @@ static void jittered_points_take_the_mean_of_complete_families(void **state)
   (void)state;
   sdr_points *points = square(20, 0.2, 0.0, 3.015);
   sdr_families *families;
-  assert_int_equal(sdr_families_create(points, SDR_FAMILY_PLAIN, &families), SDR_OK);
+  assert_int_equal(sdr_families_create(points, &plain, &families), SDR_OK);
   const sdr_family *f = families->family;
   assert_int_equal(f->source, SDR_MOMENTS_MEAN);
   /* 2 pi d^3/3 in the continuum; the ring of points that noise moves in and out is a tenth of it */
@@ -149,7 +151,7 @@ static void without_a_complete_family_the_continuum_is_taken(void **state)
   (void)state;
   sdr_points *points = square(3, 0.2, 0.0, 3.0);
   sdr_families *families;
-  assert_int_equal(sdr_families_create(points, SDR_FAMILY_PLAIN, &families), SDR_OK);
+  assert_int_equal(sdr_families_create(points, &plain, &families), SDR_OK);
   const sdr_family *f = families->family;
   assert_int_equal(f->source, SDR_MOMENTS_CONTINUUM);
   assert_close(f->first, 2.0 * 3.14159265358979323846 * 27.0 / 3.0, 1e-12);
@@ -166,7 +168,7 @@ static void points_alike_share_a_family(void **state)
   sdr_points *points = square(9, 0.0, 0.0, 2.0);
   for (int32_t i = 0; i < points->count; ++i) points->horizon[i] = i % 3 == 0 ? 2.0 : 3.0;
   sdr_families *families;
-  assert_int_equal(sdr_families_create(points, SDR_FAMILY_PLAIN, &families), SDR_OK);
+  assert_int_equal(sdr_families_create(points, &plain, &families), SDR_OK);
   assert_int_equal(families->count, 2);
   for (int32_t i = 0; i < points->count; ++i)
     assert_close(sdr_family_of(families, i)->horizon, points->horizon[i], 0.0);
@@ -184,7 +186,7 @@ static void every_failing_allocation_is_reported(void **state)
   for (; fails < 100; ++fails) {
     sdr_families *families = NULL;
     sdr_memory_fail_after(fails);
-    const sdr_status status = sdr_families_create(points, SDR_FAMILY_ISO, &families);
+    const sdr_status status = sdr_families_create(points, &iso, &families);
     sdr_memory_fail_after(-1);
     if (status == SDR_OK) {
       sdr_families_destroy(&families);

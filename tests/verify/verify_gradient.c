@@ -6,7 +6,10 @@
 static const body_how shapes[] = {
     {.dimension = SDR_1D, .cells = {40}},
     {.dimension = SDR_PLANE_STRESS, .cells = {11, 9}},
-    {.dimension = SDR_PLANE_STRAIN, .cells = {9, 10}, .angle = 0.3, .weight = SDR_FAMILY_ISO},
+    {.dimension = SDR_PLANE_STRAIN,
+     .cells = {9, 10},
+     .angle = 0.3,
+     .weight = {.correction = SDR_CORRECTION_ISO}},
     {.dimension = SDR_PLANE_STRESS, .cells = {10, 9}, .jitter = 0.3, .horizon_spread = 0.3},
     {.dimension = SDR_3D, .cells = {9, 3, 4}, .ratio = 1.75},
     {.dimension = SDR_3D, .cells = {9, 3, 3}, .ratio = 1.8, .jitter = 0.2, .horizon_spread = 0.2},

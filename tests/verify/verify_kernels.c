@@ -7,12 +7,15 @@ static const double tolerance = 1e-13; /* of the largest force */
 static const body_how shapes[] = {
     {.dimension = SDR_1D, .cells = {90}},
     {.dimension = SDR_PLANE_STRESS, .cells = {37, 9}},
-    {.dimension = SDR_PLANE_STRAIN, .cells = {9, 40}, .angle = 0.3, .weight = SDR_FAMILY_ISO},
+    {.dimension = SDR_PLANE_STRAIN,
+     .cells = {9, 40},
+     .angle = 0.3,
+     .weight = {.correction = SDR_CORRECTION_ISO}},
     {.dimension = SDR_PLANE_STRESS,
      .cells = {15, 16},
      .jitter = 0.3,
      .horizon_spread = 0.3,
-     .weight = SDR_FAMILY_PARTIAL_VOLUME},
+     .weight = {.partial_volume = 1}},
     {.dimension = SDR_3D, .cells = {7, 6, 8}, .ratio = 2.01},
     {.dimension = SDR_3D, .cells = {6, 6, 7}, .ratio = 2.2, .jitter = 0.2, .horizon_spread = 0.2},
 };

@@ -182,7 +182,7 @@ static body one_layer(sdr_dimension dimension, sdr_law law)
   const body_how how = {.dimension = dimension, .cells = {70, 31, 1}, .law = law};
   body b = {.how = how, .points = body_points(&how, NULL)};
   for (int32_t i = 0; i < b.points->count; ++i) b.points->volume[i] = pow(body_spacing, 3.0);
-  assert_int_equal(sdr_families_create(b.points, SDR_FAMILY_PLAIN, &b.families), SDR_OK);
+  assert_int_equal(sdr_families_create(b.points, &how.weight, &b.families), SDR_OK);
   body_materials(&b);
   const sdr_bonds_how plain = {.force_loose = 0};
   sdr_bonds *bonds;
