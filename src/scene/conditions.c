@@ -21,6 +21,18 @@ static void read_schedule(sdr_reading *rd, sdr_node *map, sdr_schedule *schedule
   if (schedule->ramp > 0 && isinf(schedule->from)) schedule->from = 0; /* a ramp has a beginning */
 }
 
+/* Layers follow the points of the body from the start to the end. */
+static void check_layer_schedule(sdr_reading *rd, sdr_node *map, const sdr_schedule *schedule)
+{
+  const char *key = isfinite(schedule->until) ? "until" : "from";
+  if (schedule->ramp > 0 && !isfinite(schedule->until) && schedule->from == 0) return;
+  if (!isfinite(schedule->from) && !isfinite(schedule->until)) return;
+  sdr_read_error(rd->reader, sdr_node_find(map, key)->key_origin,
+                 "'%s' does not go with a layer, which acts all the time; leave it out (a formula "
+                 "of t and 'ramp' are possible)",
+                 key);
+}
+
 /* ---- loads ----------------------------------------------------------------------------------- */
 
 static const struct {
@@ -35,6 +47,19 @@ static const struct {
 };
 enum { LOAD_KINDS = sizeof load_kinds / sizeof *load_kinds };
 
+/* 1 if the load acts through a layer; its face is there already. */
+static int read_load_layer(sdr_reading *rd, sdr_node *map, sdr_load *load)
+{
+  static const char *const words[] = {"fictitious", NULL};
+  int word;
+  if (load->kind != SDR_TRACTION || !sdr_read_has(rd->reader, map, "layer")) return 0;
+  if (!sdr_read_word(rd->reader, map, "layer", words, NULL, NULL, &word)) return 0;
+  load->layer = SDR_TRACTION_LAYER;
+  sdr_read_length(rd->reader, map, "depth", "horizon", SDR_ABOVE_ZERO(SDR_LENGTH), "2 horizon",
+                  &load->depth);
+  return 1;
+}
+
 static void read_load_place(sdr_reading *rd, sdr_node *map, sdr_load *load)
 {
   if (load->kind == SDR_POINT_FORCE) {
@@ -44,6 +69,7 @@ static void read_load_place(sdr_reading *rd, sdr_node *map, sdr_load *load)
   } else {
     static const char *const words[] = {"nearest", "layer", NULL};
     sdr_read_place(rd, map, "on", SDR_FACE_PLACE, NULL, &load->on);
+    if (read_load_layer(rd, map, load)) return;
     sdr_read_word(rd->reader, map, "spread", words, NULL, "nearest", &load->spread_layer);
   }
 }
@@ -84,6 +110,7 @@ static void read_load(sdr_reading *rd, sdr_node *item, sdr_load *load)
     read_load_place(rd, map, load);
     read_load_value(rd, map, load_kinds[k].unit, load);
     read_schedule(rd, map, &load->schedule);
+    if (load->layer) check_layer_schedule(rd, map, &load->schedule);
     sdr_read_done(r, map);
     return;
   }
@@ -123,9 +150,38 @@ static int read_prescribed(sdr_reading *rd, sdr_node *map, const char *key, sdr_
   return given;
 }
 
+/* 1 if the support acts through a layer. */
+static int read_support_layer(sdr_reading *rd, sdr_node *map, sdr_support *support)
+{
+  static const char *const words[] = {"mirror", NULL};
+  int word;
+  if (!sdr_read_has(rd->reader, map, "layer")) return 0;
+  if (!sdr_read_word(rd->reader, map, "layer", words, NULL, NULL, &word)) return 0;
+  if (support->on.face[0] == '\0') {
+    sdr_read_error(rd->reader, sdr_node_find(map, "layer")->key_origin,
+                   "a mirror layer lies outside a face; '%s' is a volume", support->on.text);
+  }
+  support->layer = SDR_MIRROR_LAYER;
+  sdr_read_length(rd->reader, map, "depth", "horizon", SDR_ABOVE_ZERO(SDR_LENGTH), "1 horizon",
+                  &support->depth);
+  return 1;
+}
+
+static void check_mirror(sdr_reading *rd, sdr_node *map, const sdr_support *support)
+{
+  check_layer_schedule(rd, map, &support->schedule);
+  for (int c = 0; c < 3; ++c) {
+    if (support->kind[c] != SDR_PRESCRIBED_VELOCITY) continue;
+    sdr_read_error(rd->reader, sdr_node_find(map, "velocity")->key_origin,
+                   "a mirror layer holds a displacement; give it as a formula of t");
+    return;
+  }
+}
+
 static void read_depth(sdr_reading *rd, sdr_node *map, sdr_support *support)
 {
   support->depth = (sdr_length){1, 1};
+  if (read_support_layer(rd, map, support)) return;
   if (support->on.face[0] != '\0') {
     sdr_read_length(rd->reader, map, "depth", "spacing", SDR_ABOVE_ZERO(SDR_LENGTH), "1 spacing",
                     &support->depth);
@@ -159,6 +215,7 @@ static void read_support(sdr_reading *rd, sdr_node *item, int index)
     read_depth(rd, item, support);
   } else {
     sdr_read_allow(r, item, "depth");
+    sdr_read_allow(r, item, "layer");
   }
   const int before = r->error_count;
   int given =
@@ -171,6 +228,7 @@ static void read_support(sdr_reading *rd, sdr_node *item, int index)
                    "displacement: {x: 0}");
   }
   read_schedule(rd, item, &support->schedule);
+  if (support->layer) check_mirror(rd, item, support);
   sdr_read_done(r, item);
 }
 

@@ -146,6 +146,9 @@ typedef struct {
   double ramp;        /* s; 0: at once */
 } sdr_schedule;
 
+/* Fictitious points outside a flat face, that follow the points inside it (004 sec. 3). */
+typedef enum { SDR_NO_LAYER, SDR_MIRROR_LAYER, SDR_TRACTION_LAYER } sdr_layer_kind;
+
 typedef enum { SDR_PRESSURE, SDR_TRACTION, SDR_BODY_FORCE, SDR_POINT_FORCE } sdr_load_kind;
 
 typedef struct {
@@ -154,6 +157,8 @@ typedef struct {
   double at[3];             /* point force: its nearest point */
   sdr_expression *value[3]; /* pressure: [0] only, Pa; traction Pa; body N/m^3; point N; NULL: 0 */
   int spread_layer;         /* 1: shared equally over the points within one spacing of the piece */
+  sdr_layer_kind layer;     /* SDR_TRACTION_LAYER: the value acts through fictitious points */
+  sdr_length depth;         /* of the layer; relative: horizons; default 2 horizons */
   sdr_schedule schedule;
   sdr_origin origin;
 } sdr_load;
@@ -163,7 +168,8 @@ typedef enum { SDR_FREE, SDR_PRESCRIBED_DISPLACEMENT, SDR_PRESCRIBED_VELOCITY } 
 typedef struct {
   char name[SDR_NAME_MAX];  /* default "support0", ... : names the reaction in history.csv */
   sdr_place on;             /* volume: its points; face: the points within `depth` of it */
-  sdr_length depth;         /* relative: spacings; default 1 spacing */
+  sdr_length depth;         /* relative: spacings; default 1 spacing. Of a layer: horizons, 1 */
+  sdr_layer_kind layer;     /* SDR_MIRROR_LAYER: held by fictitious points outside the face */
   sdr_support_kind kind[3]; /* per component */
   sdr_expression *value[3]; /* m or m/s; NULL where free */
   sdr_schedule schedule;
@@ -197,6 +203,45 @@ typedef struct {
   sdr_origin origin;
 } sdr_probe;
 
+typedef enum {
+  SDR_MEASURE_VALUE,
+  SDR_MEASURE_MEAN,
+  SDR_MEASURE_MIN,
+  SDR_MEASURE_MAX,
+  SDR_MEASURE_SUM,
+  SDR_MEASURE_L2_ERROR, /* relative to the norm of the exact values */
+  SDR_MEASURE_MAX_ERROR /* absolute */
+} sdr_measure_kind;
+
+/* What a measured field should be: a formula, a series of formulas or a table. */
+typedef struct {
+  sdr_expression *formula; /* SI; NULL: a table, or nothing at all if rows is 0 too */
+  int is_series;           /* the formula's sum over n = first .. last */
+  int64_t first, last;
+  char by;             /* table: along x, y, z, r or t, linear between rows */
+  int rows;            /* >= 2; 0: no table */
+  double *key, *value; /* SI; keys rise */
+} sdr_exact;
+
+/* A quantity to be measured, key `output.measures`: one number from the points of a place (or one
+   point, or the body as a whole) at one instant or over a time. */
+typedef struct {
+  char name[SDR_NAME_MAX]; /* of the figure */
+  sdr_measure_kind kind;
+  char field[24];    /* of points; "": none */
+  int component;     /* of the field, in the order of sdr_model_field; -1: length of the vector */
+  char quantity[24]; /* of the whole body; "": none */
+  int at_point;      /* 1: the point nearest to `point`; 0: those of `on` */
+  double point[3];
+  sdr_place on;
+  int over_time;      /* 1: from .. until, every so many steps; 0: at one instant */
+  double from, until; /* s; +-INFINITY if not given */
+  int64_t every;
+  sdr_length at; /* s, or steps if relative; INFINITY: the end */
+  sdr_exact exact;
+  sdr_origin origin;
+} sdr_measurement;
+
 /* A figure of the problem with its accepted range; the run fills in the value by name. */
 typedef struct {
   char name[SDR_NAME_MAX];
@@ -215,6 +260,8 @@ typedef struct {
   double checkpoint_every; /* s of simulated time; INFINITY: none */
   int probe_count;
   sdr_probe *probe;
+  int measure_count;
+  sdr_measurement *measure;
   int fragments;             /* 1: count them at the end (default with a damage law) */
   double fragment_threshold; /* pairs with damage below this hold together; 0.5 */
   int ring;                  /* 1: count through-cracks around ring_centre (an annulus scene) */
