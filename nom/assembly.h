@@ -31,8 +31,9 @@ sdr_status sdr_functional_add(const sdr_operator *op, const sdr_functional *func
 
 /* Prescribe unknowns of a symmetric system K u = f: rows and columns of those with fixed[k] != 0
    become those of the identity times a typical diagonal entry, and f follows, so that
-   u[k] = value[k] and K stays symmetric. fixed, value, f: K->rows values. */
-void sdr_fix_unknowns(sdr_csr *matrix, const uint8_t *fixed, const double *value, double *f);
+   u[k] = value[k] and K stays symmetric. fixed, value, f: K->rows values. SDR_BAD_INPUT if a fixed
+   row has no diagonal entry. */
+sdr_status sdr_fix_unknowns(sdr_csr *matrix, const uint8_t *fixed, const double *value, double *f);
 
 /* ---- collocation ---- */
 

@@ -36,12 +36,12 @@ typedef struct {
    Owner: the caller, as of all that follow. */
 sdr_status sdr_support_by_radius(const sdr_cloud *cloud, const double *radius, sdr_support *out);
 
-/* Weights that vanish at q = 1 would lose the farthest neighbours if h_i were their distance. */
-#define SDR_SUPPORT_REACH 1.1
+enum { SDR_MOST_NEAREST = 1000 }; /* in a support by count */
 
 /* The `nearest` nearest points of each, and all that are as far as the last of them: such a set
    does not depend on the points' order and is symmetric on a lattice. h_i is the distance of the
-   farthest times SDR_SUPPORT_REACH. SDR_BAD_INPUT if there are too few points or two coincide. */
+   farthest, so weights that vanish at h (linear, cubic) do not see those. SDR_BAD_INPUT if there
+   are too few points or two coincide. */
 sdr_status sdr_support_by_count(const sdr_cloud *cloud, int nearest, sdr_support *out);
 
 /* The horizon sets of a neighbourhood, with h_i = horizon[i]; copied. */
@@ -49,7 +49,8 @@ sdr_status sdr_support_of_neighbourhood(const sdr_cloud *cloud, const double *ho
                                         const sdr_neighbourhood *near, sdr_support *out);
 
 /* Replace the support of every point i that has wanted[i] > 0 by its wanted[i] nearest points (as
-   sdr_support_by_count; clamped to all points); the others keep theirs. Unchanged on failure. */
+   sdr_support_by_count; clamped to all points and SDR_MOST_NEAREST); the others keep theirs.
+   Unchanged on failure. */
 sdr_status sdr_support_enlarge(sdr_support *support, const int32_t *wanted);
 
 void sdr_support_destroy(sdr_support *support);
