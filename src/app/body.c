@@ -32,17 +32,41 @@ static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *poin
   return status;
 }
 
+/* ---- families and bonds ---------------------------------------------------------------------- */
+
+static sdr_families_how families_how(const sdr_scene *scene)
+{
+  static const sdr_influence influences[] = {[SDR_WEIGHT_CONSTANT] = SDR_INFLUENCE_CONSTANT,
+                                             [SDR_WEIGHT_INVERSE] = SDR_INFLUENCE_INVERSE,
+                                             [SDR_WEIGHT_INVERSE_SQUARE] =
+                                                 SDR_INFLUENCE_INVERSE_SQUARE,
+                                             [SDR_WEIGHT_LINEAR] = SDR_INFLUENCE_LINEAR,
+                                             [SDR_WEIGHT_CUBIC] = SDR_INFLUENCE_CUBIC,
+                                             [SDR_WEIGHT_GAUSSIAN] = SDR_INFLUENCE_GAUSSIAN};
+  static const sdr_correction corrections[] = {
+      [SDR_CORRECT_NOTHING] = SDR_CORRECTION_NONE,
+      [SDR_CORRECT_ISO] = SDR_CORRECTION_ISO,
+      [SDR_CORRECT_SURFACE_ISO] = SDR_CORRECTION_SURFACE_ISO,
+      [SDR_CORRECT_MADENCI_OTERKUS] = SDR_CORRECTION_MADENCI_OTERKUS};
+  const sdr_weight *weight = &scene->weight;
+  return (sdr_families_how){.influence = influences[weight->function],
+                            .partial_volume = weight->partial_volume,
+                            .correction = corrections[weight->correction],
+                            .state_based = scene->model != SDR_BOND_BASED,
+                            .printed = scene->calibration == SDR_CALIBRATE_PRINTED};
+}
+
 /* Families and bonds fail for bad horizons only, and do not know the scene. */
 static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
                              sdr_families **families, sdr_bonds **bonds)
 {
-  const sdr_families_how how = {
-      .partial_volume = scene->weight == SDR_WEIGHT_PARTIAL_VOLUME,
-      .correction = scene->weight == SDR_WEIGHT_ISO ? SDR_CORRECTION_ISO : SDR_CORRECTION_NONE};
+  const sdr_families_how how = families_how(scene);
   sdr_status status = sdr_families_create(points, &how, families);
   if (status == SDR_OK) {
-    const sdr_bonds_how bonds_how = {
-        .weight = sdr_families_weight, .context = *families, .bulk = (*families)->bulk};
+    const sdr_bonds_how bonds_how = {.weight = sdr_families_weight,
+                                     .context = *families,
+                                     .bulk = (*families)->bulk,
+                                     .one_sided = scene->one_sided};
     status = sdr_bonds_create(points, &bonds_how, bonds);
   }
   if (status != SDR_BAD_INPUT) return status;
@@ -80,6 +104,10 @@ static sdr_status (*const makers[])(const parts *p, sdr_bonds *bonds,
 sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
                            sdr_families **families, sdr_model **model)
 {
+  if (scene->model != SDR_BOND_BASED)
+    return sdr_fail(SDR_BAD_INPUT,
+                    "%s: this model is not available in this version; available: bond_based",
+                    sdr_origin_text(scene->material[0].origin));
   sdr_bonds *bonds = NULL;
   SDR_TRY(make_bonds(scene, points, families, &bonds));
   parts p = {.scene = scene, .points = points, .families = *families};

@@ -198,6 +198,7 @@ static void read_sections(sdr_reading *rd)
   rd->reader->dimension = rd->scene->dimension = (sdr_dimension)dimension;
   read_top(rd);
   sdr_read_regions(rd);
+  sdr_read_model(rd);
   sdr_read_points(rd);
   sdr_read_family(rd);
   sdr_read_damage(rd);

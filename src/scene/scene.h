@@ -108,8 +108,27 @@ typedef struct {
 
 typedef enum { SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH } sdr_law;
 typedef enum { SDR_CALIBRATE_FAMILY, SDR_CALIBRATE_PRINTED } sdr_calibration_kind;
-/* Weights of a bond in its family. */
-typedef enum { SDR_WEIGHT_CONSTANT, SDR_WEIGHT_PARTIAL_VOLUME, SDR_WEIGHT_ISO } sdr_weight_kind;
+/* Weight of a bond in its family: a function of its length (named after the influence functions of
+   nom/influence.h), times partial volumes, times a correction. */
+typedef enum {
+  SDR_WEIGHT_CONSTANT,
+  SDR_WEIGHT_INVERSE,
+  SDR_WEIGHT_INVERSE_SQUARE,
+  SDR_WEIGHT_LINEAR,
+  SDR_WEIGHT_CUBIC,
+  SDR_WEIGHT_GAUSSIAN
+} sdr_weight_function;
+typedef enum {
+  SDR_CORRECT_NOTHING,
+  SDR_CORRECT_ISO,
+  SDR_CORRECT_SURFACE_ISO,
+  SDR_CORRECT_MADENCI_OTERKUS
+} sdr_weight_correction;
+typedef struct {
+  sdr_weight_function function;
+  int partial_volume;
+  sdr_weight_correction correction;
+} sdr_weight;
 
 /* State-based bodies: linear is small strain, the others finite. */
 typedef enum { SDR_LINEAR, SDR_SAINT_VENANT_KIRCHHOFF, SDR_NEO_HOOKEAN } sdr_elasticity;
@@ -120,7 +139,8 @@ typedef enum { SDR_FORM_STANDARD, SDR_FORM_MADENCI_OTERKUS } sdr_ordinary_form;
 
 typedef struct {
   sdr_law law;
-  sdr_length ell; /* relative: multiples of the horizon; default 1 horizon */
+  sdr_length ell; /* relative: multiples of the horizon; default 1 horizon; value 0 (default of
+                     state-based bodies): the band that a cut damages */
   double onset;   /* damage of a point that counts as onset; NAN: 0.9 of the plane cut's share */
   int protect_count;
   sdr_place *protect; /* pairs with an end in one of these never break */
@@ -278,7 +298,8 @@ typedef struct sdr_scene {
   sdr_expression *horizon; /* of x y z; multiples of the spacing if horizon_relative, else m */
   int horizon_relative;
   sdr_origin horizon_origin;
-  sdr_weight_kind weight;           /* key `family: {weight: ...}` */
+  sdr_weight weight;                /* key `family: {weight: ...}` */
+  int one_sided;                    /* key `family: {dual: false}`: no dual horizon */
   sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
   sdr_model_kind model;
   sdr_elasticity elasticity;            /* key `material.elasticity`; nonordinary only */

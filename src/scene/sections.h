@@ -49,11 +49,14 @@ int sdr_read_place(sdr_reading *reading, sdr_node *map, const char *key, sdr_pla
 /* Names of a shape's faces, "left, right"; "" if it has none. In a thread-local buffer. */
 const char *sdr_shape_face_list(const sdr_shape *shape, sdr_dimension dimension);
 
-/* body.c, cracks.c, conditions.c, run.c */
+/* points.c, family.c, material.c, damage.c, cracks.c, conditions.c, run.c */
 void sdr_read_points(sdr_reading *reading);
-void sdr_read_family(sdr_reading *reading);
-void sdr_read_damage(sdr_reading *reading);
+void sdr_read_model(sdr_reading *reading); /* of the first material; its errors come later */
+void sdr_read_family(sdr_reading *reading);    /* after model */
+void sdr_read_damage(sdr_reading *reading);    /* after model */
 void sdr_read_materials(sdr_reading *reading); /* after damage: the law decides on toughness */
+/* Words for models, in the order of sdr_model_kind, ended by NULL. */
+extern const char *const sdr_model_words[];
 void sdr_read_cracks(sdr_reading *reading);
 void sdr_read_initial(sdr_reading *reading);
 void sdr_read_loads(sdr_reading *reading);

@@ -68,7 +68,7 @@ static void the_example_of_the_design_loads(void **state)
   assert_int_equal(s->horizon_relative, 1);
   assert_near(value_at(s->horizon, 0, 0, 0), 3.015);
   assert_int_equal(s->model, SDR_BOND_BASED);
-  assert_int_equal(s->weight, SDR_WEIGHT_CONSTANT);
+  assert_int_equal(s->weight.function, SDR_WEIGHT_CONSTANT);
   assert_int_equal(s->calibration, SDR_CALIBRATE_FAMILY);
   assert_int_equal(s->material_count, 1);
   assert_string_equal(s->material[0].name, "body");
@@ -108,6 +108,35 @@ static void the_example_of_the_design_loads(void **state)
   assert_null(s);
 }
 
+static void every_key_of_a_state_based_body_arrives(void **state)
+{
+  (void)state;
+  sdr_scene *s = load(GOOD "state_based.yaml");
+  assert_int_equal(s->model, SDR_NONORDINARY);
+  assert_int_equal(s->elasticity, SDR_NEO_HOOKEAN);
+  assert_near(s->control_shear, 20e9);
+  assert_true(isnan(s->control_normal));
+  assert_int_equal(s->weight.function, SDR_WEIGHT_CUBIC);
+  assert_int_equal(s->weight.partial_volume, 1);
+  assert_int_equal(s->weight.correction, SDR_CORRECT_SURFACE_ISO);
+  assert_int_equal(s->one_sided, 1);
+  assert_int_equal(s->split, SDR_SPLIT_SPECTRAL);
+  assert_true(s->damage.ell.relative && s->damage.ell.value == 0);
+  assert_near(s->material[1].poisson, 0.25);
+  assert_non_null(strstr(s->used_yaml, "ell: auto"));
+  sdr_scene_destroy(&s);
+
+  const char *const sets[] = {"material.model=ordinary", "material.poisson=0.5",
+                              "material.form=madenci_oterkus"};
+  assert_int_equal(sdr_scene_load(GOOD "cylinder.yaml", NULL, 3, sets, &s), SDR_OK);
+  assert_int_equal(s->model, SDR_ORDINARY);
+  assert_int_equal(s->form, SDR_FORM_MADENCI_OTERKUS);
+  assert_int_equal(s->split, SDR_SPLIT_DILATATION);
+  assert_int_equal(s->one_sided, 0);
+  assert_near(s->material[0].poisson, 0.5);
+  sdr_scene_destroy(&s);
+}
+
 static void every_key_of_a_plate_arrives(void **state)
 {
   (void)state;
@@ -134,7 +163,7 @@ static void every_key_of_a_plate_arrives(void **state)
   assert_int_equal(s->points.refine[0].where.shape->parts[1].vertex_count, 4);
   assert_int_equal(s->horizon_relative, 0);
   assert_near(value_at(s->horizon, 0.5, 0, 0), 0.0045);
-  assert_int_equal(s->weight, SDR_WEIGHT_PARTIAL_VOLUME);
+  assert_int_equal(s->weight.partial_volume, 1);
   assert_int_equal(s->calibration, SDR_CALIBRATE_PRINTED);
   assert_int_equal(s->region_count, 4);
   assert_near(s->region[3].shape->normal[0], -1.0);
@@ -517,6 +546,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_example_of_the_design_loads),
       cmocka_unit_test(every_key_of_a_plate_arrives),
+      cmocka_unit_test(every_key_of_a_state_based_body_arrives),
       cmocka_unit_test(conditions_and_output_of_a_plate_arrive),
       cmocka_unit_test(the_rim_of_a_hole_looks_out_of_the_body),
       cmocka_unit_test(the_smallest_scene_of_the_manual_loads),
