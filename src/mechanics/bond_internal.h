@@ -68,6 +68,8 @@ void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *cons
 sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
                                   double *const out[3]);
 sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
+sdr_status sdr_bond_visit_hessian(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                                  void *context);
 
 /* Book the energy of freshly lost bonds of stripe s (critical_stretch). */
 void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt);

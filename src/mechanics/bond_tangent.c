@@ -169,3 +169,37 @@ sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], doubl
   sdr_each_stripe(model->points, diagonal_of_stripe, &call);
   return SDR_OK;
 }
+
+/* ---- Hessian --------------------------------------------------------------------------------- */
+
+typedef struct {
+  tangent_call call;
+  sdr_hessian_visitor visit;
+  void *context;
+} hessian_call;
+
+/* [K -K; -K K] over the components of i, then of j. */
+static void hessian_of_pair(void *context, const sdr_pair *pair)
+{
+  const hessian_call *h = context;
+  const int m = h->call.model->head.points->components;
+  const int32_t ends[2] = {pair->i, pair->j};
+  double n[3], a, b, block[36];
+  if (!pair->primary) return;
+  pair_tangent(&h->call, pair, n, &a, &b);
+  for (int r = 0; r < m; ++r)
+    for (int c = 0; c < m; ++c) {
+      const double k = (r == c ? b : 0.0) + (a - b) * n[r] * n[c];
+      block[r * 2 * m + c] = block[(r + m) * 2 * m + c + m] = k;
+      block[r * 2 * m + c + m] = block[(r + m) * 2 * m + c] = -k;
+    }
+  h->visit(h->context, 2, ends, block);
+}
+
+sdr_status sdr_bond_visit_hessian(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                                  void *context)
+{
+  hessian_call h = {.call = {.model = (sdr_bond_model *)model, .u = u}, visit, context};
+  sdr_bonds_visit(h.call.model->bonds, model->points, hessian_of_pair, &h);
+  return SDR_OK;
+}
