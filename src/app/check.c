@@ -1,11 +1,12 @@
 #include "app/check.h"
 
 #include "app/build.h"
-#include "app/run.h"
+#include "app/figures.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "damage/calibration.h"
 #include "output/ledger.h"
+#include "output/measures.h"
 
 #include <math.h>
 
@@ -148,11 +149,14 @@ static void print_lists(const sdr_built *built, FILE *out)
 /* What a run would refuse besides. */
 static sdr_status check_output(const sdr_built *built)
 {
-  sdr_observer *ledger = NULL;
-  SDR_TRY(sdr_run_check_figures(built->scene));
+  sdr_observer *ledger = NULL, *measures = NULL;
+  SDR_TRY(sdr_figures_known(built->scene));
   SDR_TRY(sdr_ledger_create(built->scene, built->points, &ledger));
+  const sdr_status status =
+      sdr_measures_create(built->scene, built->points, ledger, built->steps, &measures);
+  if (measures) measures->ops->destroy(measures);
   ledger->ops->destroy(ledger);
-  return SDR_OK;
+  return status;
 }
 
 static sdr_status print_all(const sdr_built *built, FILE *out)

@@ -1,11 +1,13 @@
 #include "app/run.h"
 
 #include "app/build.h"
+#include "app/figures.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/checkpoint.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
+#include "output/measures.h"
 #include "output/onset.h"
 #include "output/progress.h"
 #include "output/runaway.h"
@@ -22,13 +24,13 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 5, MEASURED = 10 };
+enum { OBSERVERS = 6 };
 
 typedef struct {
   sdr_built built;
   char directory[600];
   int lock;
-  sdr_observer *ledger, *runaway, *snapshots, *onset, *progress;
+  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *progress;
   sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
   int observer_count;
   sdr_moment moment;
@@ -90,6 +92,9 @@ static sdr_status make_observers(run *r, const sdr_run_options *options)
   if (scene->damage.law != SDR_LAW_NONE)
     SDR_TRY(sdr_onset_create(r->built.points, r->built.onset, &r->onset));
   add_observer(r, r->onset);
+  if (scene->output.measure_count > 0)
+    SDR_TRY(sdr_measures_create(scene, r->built.points, r->ledger, r->built.steps, &r->measures));
+  add_observer(r, r->measures);
   SDR_TRY(sdr_snapshots_create(scene, r->directory, r->built.points, &r->snapshots));
   add_observer(r, r->snapshots);
   if (!options->quiet) SDR_TRY(sdr_progress_create(r->ledger, &r->progress));
@@ -169,41 +174,6 @@ static sdr_status integrate(run *r, int resumed)
 
 /* ---- what came out --------------------------------------------------------------------------- */
 
-/* Of a ring, where the scene asks. */
-typedef struct {
-  int known;
-  int32_t cracks, sectors;
-} ring_counts;
-
-/* Names of all that scenes may list as figures; values are filled in at the end. */
-static const char *const measured_names[MEASURED] = {
-    "onset_time", "imbalance",     "imbalance_largest", "through_cracks", "sectors",
-    "fragments",  "largest_share", "dissipated",        "damage_max",     "damage_mean"};
-
-static void list_measured(sdr_measured measured[MEASURED], const sdr_summary *s,
-                          const ring_counts *ring)
-{
-  const double values[MEASURED] = {
-      s->onset_time,
-      s->books.imbalance_relative,
-      s->books.imbalance_largest,
-      ring->known ? (double)ring->cracks : (double)NAN,
-      ring->known ? (double)ring->sectors : (double)NAN,
-      s->fragments_known ? (double)s->fragments.count : (double)NAN,
-      s->fragments_known ? (double)s->fragments.largest / (double)s->points : (double)NAN,
-      s->books.dissipated,
-      s->damage_max,
-      s->damage_mean};
-  for (int k = 0; k < MEASURED; ++k) measured[k] = (sdr_measured){measured_names[k], values[k]};
-}
-
-sdr_status sdr_run_check_figures(const sdr_scene *scene)
-{
-  sdr_measured names[MEASURED];
-  for (int k = 0; k < MEASURED; ++k) names[k] = (sdr_measured){measured_names[k], (double)NAN};
-  return sdr_figures_check(scene, names, MEASURED);
-}
-
 static sdr_status damage_of_points(const run *r, sdr_summary *summary)
 {
   const int32_t count = r->built.points->count;
@@ -218,7 +188,7 @@ static sdr_status damage_of_points(const run *r, sdr_summary *summary)
   return status;
 }
 
-static sdr_status find_pieces(const run *r, sdr_summary *summary, ring_counts *ring)
+static sdr_status find_pieces(const run *r, sdr_summary *summary, sdr_ring_counts *ring)
 {
   const sdr_output_scene *output = &r->built.scene->output;
   sdr_system *system = r->built.system;
@@ -235,33 +205,8 @@ static sdr_status find_pieces(const run *r, sdr_summary *summary, ring_counts *r
   return SDR_OK;
 }
 
-static void print_figure(const sdr_figure *figure, double value, FILE *out)
-{
-  const int low = !isnan(figure->low), high = !isnan(figure->high);
-  const int outside = isnan(value) || value < figure->low || value > figure->high;
-  if (isnan(value))
-    fprintf(out, "  %-17s none", figure->name);
-  else
-    fprintf(out, "  %-17s %.4g", figure->name, value);
-  if (low && high)
-    fprintf(out, ", accepted %.4g to %.4g", figure->low, figure->high);
-  else if (low || high)
-    fprintf(out, ", accepted %s %.4g", low ? "from" : "up to", low ? figure->low : figure->high);
-  if ((low || high) && outside) fprintf(out, ": OUTSIDE");
-  if (!isnan(figure->paper)) fprintf(out, ", the paper's %.4g", figure->paper);
-  fputc('\n', out);
-}
-
-static void print_figures(const sdr_summary *s, FILE *out)
-{
-  if (s->scene->figure_count > 0) fprintf(out, "figures (SI)\n");
-  for (int f = 0; f < s->scene->figure_count; ++f)
-    for (int k = 0; k < s->measured_count; ++k)
-      if (strcmp(s->scene->figure[f].name, s->measured[k].name) == 0)
-        print_figure(&s->scene->figure[f], s->measured[k].value, out);
-}
-
-static void print_results(const run *r, const sdr_summary *s, const ring_counts *ring, FILE *out)
+static void print_results(const run *r, const sdr_summary *s, const sdr_ring_counts *ring,
+                          FILE *out)
 {
   fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %.6g us\n", s->scene->title,
           (long long)s->points, (long long)s->bonds, (long long)s->steps, s->time_end * 1e6);
@@ -282,7 +227,7 @@ static void print_results(const run *r, const sdr_summary *s, const ring_counts 
           s->wall_total,
           s->wall_integrate * 1e9 / ((double)s->bonds * (double)(s->steps_run ? s->steps_run : 1)),
           s->instruction_set, s->threads, s->threads == 1 ? "" : "s");
-  print_figures(s, out);
+  sdr_figures_print(s, out);
   fprintf(out, "results             %s\n", r->directory);
 }
 
@@ -303,8 +248,8 @@ static sdr_status summarise(run *r, FILE *out)
   const sdr_built *built = &r->built;
   list_resting(r);
   const double from = wall();
-  ring_counts ring = {0};
-  sdr_measured measured[MEASURED];
+  sdr_ring_counts ring = {0};
+  sdr_measured *measured = NULL;
   sdr_summary summary = {.scene = built->scene,
                          .commit = SUNDER_COMMIT,
                          .instruction_set = built->traits.isa,
@@ -322,19 +267,20 @@ static sdr_status summarise(run *r, FILE *out)
                          .books = sdr_ledger_books(r->ledger),
                          .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
                          .skipped = built->skipped,
-                         .skipped_count = built->skipped_count,
-                         .measured = measured,
-                         .measured_count = MEASURED};
+                         .skipped_count = built->skipped_count};
   SDR_TRY(damage_of_points(r, &summary));
   SDR_TRY(find_pieces(r, &summary, &ring));
-  list_measured(measured, &summary, &ring);
+  SDR_TRY(sdr_figures_measured(built->scene, &summary, &ring, r->measures, &measured,
+                               &summary.measured_count));
+  summary.measured = measured;
   summary.wall_setup = r->setup;
   summary.wall_output = r->output + (wall() - from);
   summary.wall_total = wall() - r->started;
   summary.wall_integrate = summary.wall_total - summary.wall_setup - summary.wall_output;
-  SDR_TRY(sdr_summary_write(r->directory, &summary));
-  print_results(r, &summary, &ring, out);
-  return SDR_OK;
+  const sdr_status status = sdr_summary_write(r->directory, &summary);
+  if (status == SDR_OK) print_results(r, &summary, &ring, out);
+  sdr_free(measured);
+  return status;
 }
 
 /* A resumed run goes on with the history and snapshots in its directory: they must be its own. */
@@ -360,7 +306,7 @@ static sdr_status set_up(run *r, const sdr_run_options *options)
   SDR_TRY(
       sdr_build(options->scene, options->variant, options->set_count, options->sets, &r->built));
   if (options->threads > 0) sdr_set_threads(options->threads);
-  SDR_TRY(sdr_run_check_figures(r->built.scene));
+  SDR_TRY(sdr_figures_known(r->built.scene));
   SDR_TRY(name_directory(r, options));
   if (options->resume) SDR_TRY(check_same_scene(r));
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
@@ -384,6 +330,7 @@ sdr_status sdr_run(const sdr_run_options *options, FILE *out)
   destroy_observer(&r.progress);
   if (status == SDR_OK) status = summarise(&r, out);
   destroy_observer(&r.snapshots);
+  destroy_observer(&r.measures);
   destroy_observer(&r.onset);
   destroy_observer(&r.runaway);
   destroy_observer(&r.ledger);

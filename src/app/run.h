@@ -20,7 +20,4 @@ typedef struct {
 /* Run to the end; a few lines of results go to `out`, progress to stderr. */
 sdr_status sdr_run(const sdr_run_options *options, FILE *out);
 
-/* SDR_BAD_INPUT if the scene lists a figure that no run measures. */
-sdr_status sdr_run_check_figures(const sdr_scene *scene);
-
 #endif

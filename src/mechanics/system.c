@@ -317,6 +317,14 @@ static double scalar_at(const sdr_points *points, char first, int32_t i)
   return points->level ? points->level[i] : 0.0;
 }
 
+int sdr_system_point(const sdr_system *system, const char *name, int32_t i, double value[3])
+{
+  const int k = find_field(name);
+  if (k < 0 || fields[k].kind != VECTOR || !strchr("dvaf", name[0])) return 0;
+  vector_at(system, name[0], i, value);
+  return 1;
+}
+
 sdr_status sdr_system_field(sdr_system *system, const char *name, double *out)
 {
   const int k = find_field(name);

@@ -65,6 +65,10 @@ void sdr_system_state(sdr_system *system, sdr_state_block *blocks, int *count);
    component-major; SI. `fragment` and unknown names are SDR_BAD_INPUT. */
 sdr_status sdr_system_field(sdr_system *system, const char *name, double *out);
 
+/* The displacement, velocity, acceleration or force of point i (as in sdr_system_field) into
+   value[0 .. components - 1]; 0 if `name` is another field, which costs a pass over all points. */
+int sdr_system_point(const sdr_system *system, const char *name, int32_t i, double value[3]);
+
 /* Values a point has in field `name` in a body of `components` coordinates; 0: no such field. */
 int sdr_field_components(const char *name, int components);
 

@@ -196,6 +196,12 @@ sdr_status sdr_ledger_create(const sdr_scene *scene, const sdr_points *points, s
   return status;
 }
 
+void sdr_ledger_book(sdr_observer *observer, const sdr_moment *moment)
+{
+  ledger *l = of(observer);
+  if (l->row_step != moment->step) book(&l->now, moment->balance, moment);
+}
+
 sdr_books sdr_ledger_books(const sdr_observer *observer)
 {
   return ((const ledger *)(const void *)observer)->now.books;

@@ -27,6 +27,10 @@ typedef struct {
   int64_t broken;
 } sdr_books;
 
+/* Bring the books to this moment, without a row; nothing if its row has been written. Needs
+   moment->balance. For observers after the ledger that want more than the rows. */
+void sdr_ledger_book(sdr_observer *ledger, const sdr_moment *moment);
+
 sdr_books sdr_ledger_books(const sdr_observer *ledger);
 
 #endif

@@ -182,18 +182,27 @@ sdr_status sdr_figures_check(const sdr_scene *scene, const sdr_measured *measure
   return SDR_OK;
 }
 
+static void put_figure(record *figures, const sdr_figure *range, const sdr_measured *measured)
+{
+  record one = begin();
+  put_real(&one, "value", measured->value);
+  put_real(&one, "low", range->low);
+  put_real(&one, "high", range->high);
+  put_real(&one, "paper", range->paper);
+  put_record(figures, measured->name, one);
+}
+
+/* The scene's figures in its order, then measures without a range. */
 static void put_figures(record *r, const sdr_summary *s)
 {
+  const sdr_figure open_range = {.low = NAN, .high = NAN, .paper = NAN};
   record figures = begin();
-  for (int f = 0; f < s->scene->figure_count; ++f) {
-    const sdr_figure *figure = &s->scene->figure[f];
-    record one = begin();
-    put_real(&one, "value", look_up(figure->name, s->measured, s->measured_count)->value);
-    put_real(&one, "low", figure->low);
-    put_real(&one, "high", figure->high);
-    put_real(&one, "paper", figure->paper);
-    put_record(&figures, figure->name, one);
-  }
+  for (int f = 0; f < s->scene->figure_count; ++f)
+    put_figure(&figures, &s->scene->figure[f],
+               look_up(s->scene->figure[f].name, s->measured, s->measured_count));
+  for (int k = 0; k < s->measured_count; ++k)
+    if (s->measured[k].always && !json_object_get(figures.object, s->measured[k].name))
+      put_figure(&figures, &open_range, &s->measured[k]);
   put_record(r, "figures", figures);
 }
 

@@ -9,6 +9,7 @@
 typedef struct {
   const char *name;
   double value; /* NAN: null */
+  int always;   /* 1: stands among the figures even if the scene gives no range for it */
 } sdr_measured;
 
 /* SI. NULL texts and non-finite numbers become null. */

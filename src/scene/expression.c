@@ -205,6 +205,7 @@ static sdr_status create(const char *text, const sdr_formula *f, sdr_unit unit,
   if (e->text) e->quantity = sdr_alloc((size_t)f->quantity_count, sizeof *e->quantity);
   e->uses = f->uses;
   e->is_polar = f->is_polar;
+  e->variable[SDR_VAR_N] = 1.0; /* a plain number to the check of dimensions */
   if (e->quantity) status = finish(e, f, unit);
   if (status == SDR_OK) {
     *out = e;
@@ -264,14 +265,31 @@ int sdr_expression_uses(const sdr_expression *expression)
 static sdr_status fail_not_finite(const sdr_expression *expression, double result,
                                   const double x[3], double t)
 {
-  char place[100] = "", time[40] = "";
-  const int both = expression->uses == (SDR_USES_SPACE | SDR_USES_TIME);
+  char place[100] = "", time[40] = "", index[40] = "";
+  const int both = (expression->uses & SDR_USES_SPACE) && (expression->uses & SDR_USES_TIME);
   if (expression->uses & SDR_USES_SPACE)
     snprintf(place, sizeof place, "(x, y, z) = (%g, %g, %g) m%s", x[0], x[1], x[2],
              both ? ", " : "");
   if (expression->uses & SDR_USES_TIME) snprintf(time, sizeof time, "t = %g s", t);
-  return sdr_fail(SDR_BAD_INPUT, "the formula '%s' gives %g at %s%s; it must be finite",
-                  expression->text, isnan(result) ? fabs(result) : result, place, time);
+  if (expression->uses & SDR_USES_INDEX)
+    snprintf(index, sizeof index, "%sn = %g", place[0] || time[0] ? ", " : "",
+             expression->variable[SDR_VAR_N]);
+  return sdr_fail(SDR_BAD_INPUT, "the formula '%s' gives %g at %s%s%s; it must be finite",
+                  expression->text, isnan(result) ? fabs(result) : result, place, time, index);
+}
+
+sdr_status sdr_expression_sum(sdr_expression *expression, const double x[3], double t,
+                              int64_t first, int64_t last, double *value)
+{
+  double sum = 0.0;
+  for (int64_t n = first; n <= last; ++n) {
+    double term = 0.0;
+    expression->variable[SDR_VAR_N] = (double)n;
+    SDR_TRY(sdr_expression_value(expression, x, t, &term));
+    sum += term;
+  }
+  *value = sum;
+  return SDR_OK;
 }
 
 sdr_status sdr_expression_value(sdr_expression *expression, const double x[3], double t,

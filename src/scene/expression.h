@@ -4,12 +4,14 @@
 
 #include "base/status.h"
 
+#include <stdint.h>
+
 /* A compiled formula. One handle may be used by one thread at a time. */
 typedef struct sdr_expression sdr_expression;
 
 /* Which variables a formula uses, or'd. r = sqrt(x^2+y^2) and theta = atan2(y, x) count as space.
- */
-enum { SDR_USES_SPACE = 1, SDR_USES_TIME = 2 };
+   The index is n, of a series. */
+enum { SDR_USES_SPACE = 1, SDR_USES_TIME = 2, SDR_USES_INDEX = 4 };
 
 /* Exponents of metre, kilogram, second, kelvin; a plain number has none. */
 typedef struct {
@@ -33,6 +35,10 @@ int sdr_expression_uses(const sdr_expression *expression); /* SDR_USES_... */
    SDR_BAD_INPUT with the place and time in the message. */
 sdr_status sdr_expression_value(sdr_expression *expression, const double x[3], double t,
                                 double *value);
+
+/* Sum of the values for n = first .. last (first <= last), added in that order. */
+sdr_status sdr_expression_sum(sdr_expression *expression, const double x[3], double t,
+                              int64_t first, int64_t last, double *value);
 
 /* The text it was compiled from. */
 const char *sdr_expression_text(const sdr_expression *expression);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sdr_formula_variables[SDR_VAR_COUNT] = {"x", "y", "z", "t", "r", "theta"};
+const char *const sdr_formula_variables[SDR_VAR_COUNT] = {"x", "y", "z", "t", "r", "theta", "n"};
 
 /* What muParser knows, without `log`, which elsewhere is sometimes ln and sometimes log10. */
 static const char *const functions[] = {"sin",   "cos",  "tan",   "asin", "acos",  "atan",
@@ -134,7 +134,7 @@ static sdr_status scan_word(const char *text, size_t *at, sdr_formula *f)
   for (int k = 0; k < SDR_VAR_COUNT; ++k) {
     if (strcmp(word, sdr_formula_variables[k]) != 0) continue;
     known = 1;
-    f->uses |= k == SDR_VAR_T ? SDR_USES_TIME : SDR_USES_SPACE;
+    f->uses |= k == SDR_VAR_T ? SDR_USES_TIME : k == SDR_VAR_N ? SDR_USES_INDEX : SDR_USES_SPACE;
     if (k == SDR_VAR_R || k == SDR_VAR_THETA) f->is_polar = 1;
   }
   for (size_t k = 0; k < sizeof functions / sizeof *functions; ++k) {

@@ -14,6 +14,7 @@ typedef enum {
   SDR_VAR_T,
   SDR_VAR_R,
   SDR_VAR_THETA,
+  SDR_VAR_N,
   SDR_VAR_COUNT
 } sdr_formula_variable;
 extern const char *const sdr_formula_variables[SDR_VAR_COUNT];

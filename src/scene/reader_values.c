@@ -62,6 +62,11 @@ static int check_uses(sdr_reader *reader, const sdr_node *node, const sdr_expres
   if (!extra) return 1;
   char path[256];
   sdr_node_path(node, path, sizeof path);
+  if (extra & SDR_USES_INDEX) {
+    sdr_read_error(reader, node->origin, "%s: '%s' uses n, which only the formula of a series has",
+                   path, node->text);
+    return 0;
+  }
   sdr_read_error(reader, node->origin, "%s: '%s' uses %s, which %s", path, node->text,
                  variable_names(extra),
                  allowed ? "it may not depend on" : "cannot stand here; give a constant");

@@ -205,6 +205,7 @@ void sdr_read_output(sdr_reading *rd)
   read_history(rd, map);
   read_checkpoint(rd, map);
   read_probes(rd, map);
+  sdr_read_measures(rd, map);
   read_fragments(rd, map);
   read_ring(rd, map);
   sdr_read_done(r, map);
@@ -244,6 +245,7 @@ void sdr_read_figures(sdr_reading *rd)
   rd->scene->figure = sdr_reading_room(rd, map, sizeof *rd->scene->figure);
   if (!rd->scene->figure) return;
   for (sdr_node *child = map->first; child; child = child->next) {
+    if (sdr_node_is_null(child)) continue; /* a variant may drop one */
     read_figure(rd, child, &rd->scene->figure[rd->scene->figure_count++]);
   }
 }

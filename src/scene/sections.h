@@ -63,6 +63,8 @@ void sdr_read_loads(sdr_reading *reading);
 void sdr_read_supports(sdr_reading *reading);
 void sdr_read_time(sdr_reading *reading);
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
+/* The mapping `measures` of `output`. measures.c */
+void sdr_read_measures(sdr_reading *reading, sdr_node *output);
 void sdr_read_figures(sdr_reading *reading);
 
 #endif

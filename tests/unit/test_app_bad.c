@@ -24,7 +24,7 @@ static void every_wrong_scene_gives_its_text_and_no_summary(void **state)
   said s;
   int wrong = 0;
   succeed(&s, "cp '" SUNDER_SOURCE_DIR "'/tests/scenes/bad/*.yaml '" SUNDER_SOURCE_DIR
-              "'/tests/scenes/bad/*.expected .");
+              "'/tests/scenes/bad/*.expected '" SUNDER_SOURCE_DIR "'/tests/scenes/bad/*.csv .");
   assert_int_equal(glob("*.yaml", 0, NULL, &found), 0);
   assert_true(found.gl_pathc >= 40);
   for (size_t k = 0; k < found.gl_pathc; ++k) {

@@ -174,7 +174,11 @@ static void kill_and_compare(const char *scene)
   " --set output.snapshots=4 --set output.fields='[displacement, velocity, damage, reaction]'"
 #define RING                                                                                       \
   "thick_cylinder --variant coarse_4mm" OUTPUT                                                     \
-  " --set output.probes='[{name: tip, at: [81 mm, 0], fields: [velocity, damage]}]'"
+  " --set output.probes='[{name: tip, at: [81 mm, 0], fields: [velocity, damage]}]'"               \
+  " --set output.measures='{fastest: {kind: max, field: velocity, component: norm, from: 9 us}, "  \
+  "early: {kind: mean, field: damage, on: inner, at: 20 us}, late: {kind: sum, field: force, "     \
+  "component: x}, off: {kind: min, quantity: imbalance, from: start, every: 2}, shape: {kind: "    \
+  "l2_error, field: displacement, component: y, on: outer, until: 30 us, exact: 1 um*y/r}}'"
 
 static void variational_damage_goes_on_with_the_same_bits(void **state)
 {

@@ -157,7 +157,7 @@ static void the_cost_of_a_resumed_run_counts_its_own_steps(void **state)
   body_destroy(&b);
 }
 
-static const sdr_measured measured[] = {{"onset_time", 44e-6}, {"through_cracks", NAN}};
+static const sdr_measured measured[] = {{"onset_time", 44e-6, 0}, {"through_cracks", NAN, 0}};
 
 static void name_figures(body *b, sdr_figure *figures, int count)
 {
@@ -189,6 +189,30 @@ static void figures_hold_value_range_and_the_papers_value(void **state)
   assert_true(json_is_null(json_object_get(cracks, "value")));
   assert_true(json_is_null(json_object_get(cracks, "high")));
   assert_true(real_at(all, "through_cracks", "low") == 5.0);
+  json_decref(root);
+  body_destroy(&b);
+}
+
+static void measures_stand_among_the_figures_without_a_range(void **state)
+{
+  (void)state;
+  body b;
+  sdr_figure figure = {"tip", 1.0, 3.0, 2.5, {"s.yaml", 1, 1}};
+  const sdr_measured with_measures[] = {
+      {"onset_time", 44e-6, 0}, {"error", 0.5, 1}, {"tip", 2.0, 1}};
+  body_create(&b, 1, 1);
+  sdr_summary summary = make(&b);
+  name_figures(&b, &figure, 1);
+  summary.measured = with_measures;
+  summary.measured_count = 3;
+  assert_int_equal(sdr_summary_write(b.directory, &summary), SDR_OK);
+  json_t *root = load(&b);
+  json_t *all = json_object_get(root, "figures");
+  assert_string_equal(keys_of(all), "tip error");
+  assert_true(real_at(all, "tip", "value") == 2.0);
+  assert_true(real_at(all, "tip", "high") == 3.0);
+  assert_true(real_at(all, "error", "value") == 0.5);
+  assert_true(json_is_null(json_object_get(json_object_get(all, "error"), "low")));
   json_decref(root);
   body_destroy(&b);
 }
@@ -263,6 +287,7 @@ int main(void)
       cmocka_unit_test(what_is_not_known_is_null),
       cmocka_unit_test(the_cost_of_a_resumed_run_counts_its_own_steps),
       cmocka_unit_test(figures_hold_value_range_and_the_papers_value),
+      cmocka_unit_test(measures_stand_among_the_figures_without_a_range),
       cmocka_unit_test(a_figure_that_nothing_measures_is_refused),
       cmocka_unit_test(skipped_features_are_listed),
       cmocka_unit_test(a_full_disk_leaves_no_summary),

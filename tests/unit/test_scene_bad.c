@@ -38,6 +38,11 @@ static int is_wrong_later(const char *scene)
                                       "formula_divides_by_zero_later",
                                       "too_many_points",
                                       "unmeasured_figure",
+                                      "measure_on_nothing",
+                                      "measure_outside",
+                                      "measure_beyond_steps",
+                                      "measure_beyond_table",
+                                      "measure_name_taken",
                                       "directory_not_writable"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
     const size_t length = strlen(names[k]);
