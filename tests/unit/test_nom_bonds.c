@@ -130,6 +130,57 @@ static void check_bonds(const shape *s, int expect_runs)
   sdr_points_destroy(&points);
 }
 
+/* Bonds of points with `bulk` flags: runs between two flagged points, all others loose. */
+static void check_mixed(const shape *s)
+{
+  sdr_points *points = make_points(s);
+  uint8_t *bulk = sdr_alloc((size_t)points->count, 1);
+  for (int32_t i = 0; i < points->count; ++i) bulk[i] = i % 7 != 3 && i % 11 != 5;
+  const sdr_bonds_how how = {.bulk = bulk};
+  sdr_bonds *bonds;
+  assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+  table t = naive(points);
+  int64_t loose = 0, directed = 0;
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int32_t j = i + 1; j < points->count; ++j)
+      loose += *entry(&t, i, j) && !(bulk[i] && bulk[j]);
+  sdr_bonds_visit(bonds, points, check_slot, &t);
+  for (int64_t r = 0; r < bonds->run_count; ++r)
+    for (int32_t k = 0; k < bonds->runs[r].length; ++k, directed += 2)
+      assert_true(bulk[bonds->runs[r].i0 + k] && bulk[bonds->runs[r].j0 + k]);
+  assert_int_equal(t.visited, t.pairs);
+  assert_int_equal(bonds->pairs, t.pairs);
+  assert_int_equal(bonds->directed, t.directed);
+  assert_int_equal(bonds->loose_pairs, loose);
+  assert_int_equal(directed + 2 * loose, t.directed);
+  sdr_free(t.mark);
+  sdr_free(bulk);
+  sdr_bonds_destroy(&bonds);
+  sdr_points_destroy(&points);
+}
+
+static void check_own_slot(void *context, const sdr_pair *pair)
+{
+  assert_true(pair->weight_ij > 0.0); /* j is in H_i, or i knows nothing of j */
+  check_slot(context, pair);
+}
+
+static void check_one_sided(const shape *s)
+{
+  sdr_points *points = make_points(s);
+  const sdr_bonds_how how = {.one_sided = 1};
+  sdr_bonds *bonds;
+  assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+  table t = naive(points);
+  sdr_bonds_visit(bonds, points, check_own_slot, &t);
+  assert_int_equal(t.visited, t.pairs);
+  assert_int_equal(bonds->pairs, t.pairs);
+  assert_int_equal(bonds->directed, t.directed);
+  sdr_free(t.mark);
+  sdr_bonds_destroy(&bonds);
+  sdr_points_destroy(&points);
+}
+
 static int in_annulus(const int32_t cell[3])
 {
   const double r = hypot(cell[0] - 22, cell[1] - 22);
@@ -198,6 +249,21 @@ static void jittered_points_with_varying_horizons_have_dual_flags(void **state)
                           {2, {300, 3, 1}, 4.0, 0.0, 0.3, 0.7, NULL, 0},
                           {3, {8, 9, 7}, 2.1, 0.0, 0.4, 0.4, NULL, 0}};
   for (int k = 0; k < 4; ++k) check_bonds(&shapes[k], 0);
+}
+
+static void pairs_of_points_that_are_not_bulk_are_loose_beside_the_runs(void **state)
+{
+  (void)state;
+  for (int k = 0; k < LATTICES; ++k) check_mixed(&lattices[k]);
+}
+
+static void one_sided_bonds_have_a_slot_in_the_rows_of_their_owners_only(void **state)
+{
+  (void)state;
+  const shape shapes[] = {{1, {400, 1, 1}, 2.5, 0.0, 0.4, 0.5, NULL, 0},
+                          {2, {25, 24, 1}, 2.5, 0.0, 0.4, 0.5, NULL, 0},
+                          {3, {8, 9, 7}, 2.1, 0.0, 0.4, 0.4, NULL, 0}};
+  for (int k = 0; k < 3; ++k) check_one_sided(&shapes[k]);
 }
 
 /* A lattice whose horizons differ has no runs, but every pair. */
@@ -306,6 +372,8 @@ int main(void)
       cmocka_unit_test(runs_of_a_lattice_hold_each_pair_once),
       cmocka_unit_test(loose_pairs_of_a_lattice_hold_each_pair_once),
       cmocka_unit_test(jittered_points_with_varying_horizons_have_dual_flags),
+      cmocka_unit_test(pairs_of_points_that_are_not_bulk_are_loose_beside_the_runs),
+      cmocka_unit_test(one_sided_bonds_have_a_slot_in_the_rows_of_their_owners_only),
       cmocka_unit_test(a_lattice_with_varying_horizons_is_loose),
       cmocka_unit_test(every_run_joins_a_stripe_to_itself_or_the_next),
       cmocka_unit_test(rows_are_long_where_the_body_is),
