@@ -167,33 +167,45 @@ static sdr_status shape_many(const sdr_shape_tensors *shape, const int32_t *want
   return status;
 }
 
-static sdr_status singular(const sdr_shape_tensors *shape, double most_condition, int all_in)
+/* Neighbours that a support may grow to. */
+static int32_t most_neighbours(const sdr_support *support)
+{
+  const int32_t others = support->cloud.count - 1;
+  return others < SDR_MOST_NEAREST ? others : SDR_MOST_NEAREST;
+}
+
+static int32_t neighbours_of(const sdr_support *support, int32_t i)
+{
+  return (int32_t)(support->row[i + 1] - support->row[i]);
+}
+
+/* Name the first singular point; with `grown` the first that can grow no more. */
+static sdr_status singular(const sdr_shape_tensors *shape, double most_condition, int grown)
 {
   const sdr_support *support = shape->support;
+  const sdr_multi_indices *set = &shape->set;
   int32_t first = -1, others = -1;
-  for (int32_t i = 0; i < support->cloud.count; ++i)
-    if (!(shape->condition[i] <= most_condition)) {
-      if (first < 0) first = i;
-      ++others;
-    }
-  const int64_t neighbours = support->row[first + 1] - support->row[first];
+  for (int32_t i = 0; i < support->cloud.count; ++i) {
+    if (shape->condition[i] <= most_condition) continue;
+    if (first < 0 && (!grown || neighbours_of(support, i) >= most_neighbours(support))) first = i;
+    ++others;
+  }
+  const int neighbours = neighbours_of(support, first);
   const sdr_point_name name = sdr_point_named(&support->cloud, first);
   char more[60] = "";
   if (others > 0) snprintf(more, sizeof more, " (and %d more points)", (int)others);
-  const char *mend = all_in ? "these points bear no operators of that order"
-                            : "give more neighbours or a lower order";
-  const sdr_multi_indices *set = &shape->set;
+  const char *mend = grown ? "these points bear no operators of that order"
+                           : "give more neighbours or a lower order";
   if (neighbours < set->count)
     return sdr_fail(SDR_BAD_INPUT,
                     "%s has %d neighbours, and operators of order %d in %d-D need at least "
                     "%d%s: %s",
-                    name.text, (int)neighbours, set->order, set->components, set->count, more,
-                    mend);
+                    name.text, neighbours, set->order, set->components, set->count, more, mend);
   return sdr_fail(SDR_BAD_INPUT,
                   "%s has a singular shape tensor: condition number %.1e with %d neighbours, at "
                   "most %.1e for operators of order %d%s: %s",
-                  name.text, shape->condition[first], (int)neighbours, most_condition, set->order,
-                  more, mend);
+                  name.text, shape->condition[first], neighbours, most_condition, set->order, more,
+                  mend);
 }
 
 /* How many neighbours each singular point asks for next, 0 for the others; *any: some are
@@ -202,16 +214,13 @@ static void ask_for_more(const sdr_shape_tensors *shape, double most_condition, 
                          int *any, int *stuck)
 {
   const sdr_support *support = shape->support;
-  const int32_t count = support->cloud.count;
-  const int32_t most = count - 1 < SDR_MOST_NEAREST ? count - 1 : SDR_MOST_NEAREST;
   *any = *stuck = 0;
-  for (int32_t i = 0; i < count; ++i) {
+  for (int32_t i = 0; i < support->cloud.count; ++i) {
     wanted[i] = 0;
     if (shape->condition[i] <= most_condition) continue;
-    const int32_t have = (int32_t)(support->row[i + 1] - support->row[i]);
-    const int32_t more = have + have / 4 + 1;
+    const int32_t have = neighbours_of(support, i), more = have + have / 4 + 1;
     *any = 1;
-    if (have >= most) *stuck = 1;
+    if (have >= most_neighbours(support)) *stuck = 1;
     wanted[i] = more > shape->set.count ? more : shape->set.count;
   }
 }
