@@ -16,6 +16,7 @@ void sdr_slaves_destroy(sdr_slaves *slaves)
   sdr_free(slaves->first);
   sdr_free(slaves->master);
   sdr_free(slaves->coefficient);
+  sdr_free(slaves->apart);
   *slaves = (sdr_slaves){0};
 }
 
@@ -23,7 +24,9 @@ void sdr_constraints_destroy(sdr_constraints *constraints)
 {
   sdr_free(constraints->offset);
   sdr_free(constraints->prescribed);
+  sdr_free(constraints->unknown);
   sdr_csr_destroy(&constraints->map);
+  sdr_csr_destroy(&constraints->force);
   *constraints = (sdr_constraints){0};
 }
 
@@ -81,37 +84,59 @@ static sdr_status enslave(const sdr_slaves *slaves, sorting *s)
   return SDR_OK;
 }
 
-/* Rows of B, in any order. */
-static sdr_status add_rows(const sdr_slaves *slaves, const sorting *s, sdr_constraints *c,
-                           sdr_csr_builder *builder)
+/* A slave's constant takes in what its prescribed masters give. */
+static void make_offsets(const sdr_slaves *slaves, const sorting *s, sdr_constraints *c)
 {
-  for (int32_t r = 0; r < c->unknowns; ++r)
-    if (s->kind[r] == FREE) SDR_TRY(sdr_csr_builder_add(builder, r, s->place[r], 1.0));
+  for (int32_t k = 0; k < slaves->count; ++k) {
+    double sum = slaves->constant[k];
+    for (int64_t p = slaves->first[k]; p < slaves->first[k + 1]; ++p)
+      if (s->kind[slaves->master[p]] == PRESCRIBED)
+        sum += slaves->coefficient[p] * c->offset[slaves->master[p]];
+    c->offset[slaves->unknown[k]] = sum;
+  }
+}
+
+/* Rows of B, or of P: those of slaves with forces apart are empty. */
+static sdr_status add_rows(const sdr_slaves *slaves, const sorting *s, const sdr_constraints *c,
+                           int forces, sdr_csr_builder *builder)
+{
+  for (int32_t k = 0; k < c->free; ++k)
+    SDR_TRY(sdr_csr_builder_add(builder, c->unknown[k], k, 1.0));
   for (int32_t k = 0; slaves && k < slaves->count; ++k) {
-    double *constant = &c->offset[slaves->unknown[k]];
-    *constant = slaves->constant[k];
-    for (int64_t p = slaves->first[k]; p < slaves->first[k + 1]; ++p) {
-      const int32_t master = slaves->master[p];
-      if (s->kind[master] == PRESCRIBED)
-        *constant += slaves->coefficient[p] * c->offset[master];
-      else
-        SDR_TRY(sdr_csr_builder_add(builder, slaves->unknown[k], s->place[master],
+    if (forces && slaves->apart[k]) continue;
+    for (int64_t p = slaves->first[k]; p < slaves->first[k + 1]; ++p)
+      if (s->kind[slaves->master[p]] == FREE)
+        SDR_TRY(sdr_csr_builder_add(builder, slaves->unknown[k], s->place[slaves->master[p]],
                                     slaves->coefficient[p]));
-    }
   }
   return SDR_OK;
 }
 
-static sdr_status make_map(const sdr_slaves *slaves, sorting *s, sdr_constraints *c)
+static sdr_status make_map(const sdr_slaves *slaves, const sorting *s, const sdr_constraints *c,
+                           int forces, sdr_csr *out)
 {
   sdr_csr_builder *builder = NULL;
-  for (int32_t r = 0; r < c->unknowns; ++r)
-    if (s->kind[r] == FREE) s->place[r] = c->free++;
   SDR_TRY(sdr_csr_builder_create(c->unknowns, c->free, &builder));
-  sdr_status status = add_rows(slaves, s, c, builder);
-  if (status == SDR_OK) status = sdr_csr_builder_finish(builder, &c->map);
+  sdr_status status = add_rows(slaves, s, c, forces, builder);
+  if (status == SDR_OK) status = sdr_csr_builder_finish(builder, out);
   sdr_csr_builder_destroy(&builder);
   return status;
+}
+
+static sdr_status make_maps(const sdr_slaves *slaves, sorting *s, sdr_constraints *c)
+{
+  for (int32_t r = 0; r < c->unknowns; ++r)
+    if (s->kind[r] == FREE) s->place[r] = c->free++;
+  c->unknown = sdr_alloc((size_t)c->free, sizeof *c->unknown);
+  if (!c->unknown) return SDR_RUN_FAILED;
+  for (int32_t r = 0; r < c->unknowns; ++r)
+    if (s->kind[r] == FREE) c->unknown[s->place[r]] = r;
+  if (slaves) make_offsets(slaves, s, c);
+  c->symmetric = 1;
+  for (int32_t k = 0; slaves && slaves->apart && k < slaves->count; ++k)
+    if (slaves->apart[k]) c->symmetric = 0;
+  SDR_TRY(make_map(slaves, s, c, 0, &c->map));
+  return c->symmetric ? SDR_OK : make_map(slaves, s, c, 1, &c->force);
 }
 
 sdr_status sdr_constraints_create(const sdr_points *points, const sdr_supports *supports,
@@ -126,7 +151,7 @@ sdr_status sdr_constraints_create(const sdr_points *points, const sdr_supports *
   sdr_status status = s.kind && s.place && c.offset && c.prescribed ? SDR_OK : SDR_RUN_FAILED;
   if (status == SDR_OK) prescribe(supports, values, &s, &c);
   if (status == SDR_OK && slaves) status = enslave(slaves, &s);
-  if (status == SDR_OK) status = make_map(slaves, &s, &c);
+  if (status == SDR_OK) status = make_maps(slaves, &s, &c);
   sdr_free(s.kind);
   sdr_free(s.place);
   if (status == SDR_OK)
@@ -144,15 +169,20 @@ void sdr_constraints_expand(const sdr_constraints *constraints, const double *q,
   for (int32_t r = 0; r < constraints->unknowns; ++r) u[r] += constraints->offset[r];
 }
 
-void sdr_constraints_project(const sdr_constraints *constraints, const double *f, double *g)
+static const sdr_csr *force_map(const sdr_constraints *constraints)
 {
-  const sdr_csr *b = &constraints->map;
-  memset(g, 0, (size_t)constraints->free * sizeof *g);
-  for (int32_t r = 0; r < b->rows; ++r)
-    for (int64_t k = b->row[r]; k < b->row[r + 1]; ++k) g[b->column[k]] += b->value[k] * f[r];
+  return constraints->symmetric ? &constraints->map : &constraints->force;
 }
 
-/* B^T: for each entry of q the unknowns that it moves. */
+void sdr_constraints_project(const sdr_constraints *constraints, const double *f, double *g)
+{
+  const sdr_csr *p = force_map(constraints);
+  memset(g, 0, (size_t)constraints->free * sizeof *g);
+  for (int32_t r = 0; r < p->rows; ++r)
+    for (int64_t k = p->row[r]; k < p->row[r + 1]; ++k) g[p->column[k]] += p->value[k] * f[r];
+}
+
+/* P^T: for each entry of q the unknowns whose forces act on it. */
 static sdr_status transpose(const sdr_csr *b, sdr_csr *out)
 {
   sdr_csr_builder *builder = NULL;
@@ -168,19 +198,19 @@ static sdr_status transpose(const sdr_csr *b, sdr_csr *out)
 
 /* Of a product: one row at a time in `sum`, its columns in `touched`. */
 typedef struct {
-  const sdr_csr *b, *k, *bt;
+  const sdr_csr *b, *k, *pt;
   double *sum;
   int32_t *used, *touched;
 } product;
 
-/* Row i of B^T K B; how many columns it has. */
+/* Row i of P^T K B; how many columns it has. */
 static int32_t make_row(product *p, int32_t i)
 {
-  const sdr_csr *b = p->b, *k = p->k, *bt = p->bt;
+  const sdr_csr *b = p->b, *k = p->k, *pt = p->pt;
   int32_t count = 0;
-  for (int64_t m = bt->row[i]; m < bt->row[i + 1]; ++m)
-    for (int64_t n = k->row[bt->column[m]]; n < k->row[bt->column[m] + 1]; ++n) {
-      const double here = bt->value[m] * k->value[n];
+  for (int64_t m = pt->row[i]; m < pt->row[i + 1]; ++m)
+    for (int64_t n = k->row[pt->column[m]]; n < k->row[pt->column[m] + 1]; ++n) {
+      const double here = pt->value[m] * k->value[n];
       for (int64_t l = b->row[k->column[n]]; l < b->row[k->column[n] + 1]; ++l) {
         const int32_t j = b->column[l];
         if (p->used[j] != i + 1) {
@@ -230,18 +260,18 @@ sdr_status sdr_constraints_reduce(const sdr_constraints *constraints, const sdr_
                                   sdr_csr *out)
 {
   const size_t free_count = (size_t)constraints->free;
-  sdr_csr bt = {0}, a = {.rows = constraints->free, .columns = constraints->free};
-  product p = {.b = &constraints->map, .k = k, .bt = &bt};
+  sdr_csr pt = {0}, a = {.rows = constraints->free, .columns = constraints->free};
+  product p = {.b = &constraints->map, .k = k, .pt = &pt};
   p.sum = sdr_alloc(free_count, sizeof *p.sum);
   p.used = sdr_alloc(free_count, sizeof *p.used);
   p.touched = sdr_alloc(free_count, sizeof *p.touched);
   sdr_status status = p.sum && p.used && p.touched ? SDR_OK : SDR_RUN_FAILED;
-  if (status == SDR_OK) status = transpose(p.b, &bt);
+  if (status == SDR_OK) status = transpose(force_map(constraints), &pt);
   if (status == SDR_OK) status = multiply(&p, &a);
   sdr_free(p.sum);
   sdr_free(p.used);
   sdr_free(p.touched);
-  sdr_csr_destroy(&bt);
+  sdr_csr_destroy(&pt);
   if (status == SDR_OK)
     *out = a;
   else

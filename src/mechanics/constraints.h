@@ -2,8 +2,8 @@
    Components are numbered unknown = point * components + component throughout.
 
    A free component is one of q; a prescribed one is a constant, its row of B is empty; a slaved one
-   (fictitious layers) is an affine function of others. Forces on u act on q as B^T f, so that they
-   do the same work. */
+   (fictitious layers) is an affine function of others. Forces on u act on q as P^T f. P is B, so
+   that they do the same work, but for slaves that say that theirs act on no point of the body. */
 #ifndef SDR_MECHANICS_CONSTRAINTS_H
 #define SDR_MECHANICS_CONSTRAINTS_H
 
@@ -20,13 +20,17 @@ typedef struct {
   int64_t *first;   /* count + 1 */
   int32_t *master;
   double *coefficient;
+  uint8_t *apart; /* 1: forces on it act on no point of the body; NULL: all act on their masters */
 } sdr_slaves;
 void sdr_slaves_destroy(sdr_slaves *slaves);
 
 typedef struct {
   int32_t unknowns, free; /* entries of u and of q */
   double *offset;         /* a: `unknowns` values, m */
+  int32_t *unknown;       /* per entry of q: the unknown that it is */
   sdr_csr map;            /* B: unknowns x free */
+  int symmetric;          /* 1: P is B, and so B^T K B is symmetric if K is */
+  sdr_csr force;          /* P; empty where it is B */
   uint8_t *prescribed;    /* per unknown: 1 if it is prescribed */
 } sdr_constraints;
 
@@ -39,14 +43,14 @@ sdr_status sdr_constraints_create(const sdr_points *points, const sdr_supports *
                                   sdr_constraints *out);
 void sdr_constraints_destroy(sdr_constraints *constraints);
 
-/* out = B^T K B, for K over all unknowns. */
+/* out = P^T K B, for K over all unknowns. */
 sdr_status sdr_constraints_reduce(const sdr_constraints *constraints, const sdr_csr *k,
                                   sdr_csr *out);
 
 /* u = a + B q. */
 void sdr_constraints_expand(const sdr_constraints *constraints, const double *q, double *u);
 
-/* g = B^T f. */
+/* g = P^T f. */
 void sdr_constraints_project(const sdr_constraints *constraints, const double *f, double *g);
 
 #endif

@@ -70,6 +70,8 @@ static void components_are_free_prescribed_or_slaved(void **state)
   assert_int_equal(c.unknowns, N);
   assert_int_equal(c.free, 7); /* 2 3 5 6 8 9 10 */
   const double q[7] = {2.0, 3.0, 5.0, 6.0, 8.0, 9.0, 10.0};
+  const int32_t unknown[7] = {2, 3, 5, 6, 8, 9, 10};
+  assert_memory_equal(c.unknown, unknown, sizeof unknown);
   const double wanted[N] = {0.1, 0.2, 2.0, 3.0,  0.5 - 2.0 + 3.0 * 0.3, 5.0, 6.0,
                             0.3, 8.0, 9.0, 10.0, -0.25 + 3.0 * 0.1};
   double u[N];
@@ -103,17 +105,20 @@ static void forces_do_the_same_work_on_the_free_components(void **state)
   held_destroy(&h);
 }
 
-/* B^T K B for a full K against sums over all. */
-static void a_matrix_is_reduced(void **state)
+/* P^T K B for a full K against sums over all; `apart`: forces on the first slave are lost. */
+static void check_reduced(int apart)
 {
-  (void)state;
+  uint8_t which[2] = {(uint8_t)apart, 0};
+  sdr_slaves some = slaves;
+  some.apart = which;
   held_body h = held_create();
   sdr_constraints c = {0};
   sdr_csr k = {0}, reduced = {0};
   sdr_csr_builder *builder = NULL;
   double dense[N][N], b[N][N] = {{0.0}}, wanted[N][N] = {{0.0}};
   uint64_t seed = 9;
-  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, values, &slaves, &c), SDR_OK);
+  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, values, &some, &c), SDR_OK);
+  assert_int_equal(c.symmetric, !apart);
   assert_int_equal(sdr_csr_builder_create(N, N, &builder), SDR_OK);
   for (int r = 0; r < N; ++r)
     for (int s = 0; s < N; ++s) {
@@ -128,7 +133,8 @@ static void a_matrix_is_reduced(void **state)
   for (int i = 0; i < c.free; ++i)
     for (int j = 0; j < c.free; ++j)
       for (int r = 0; r < N; ++r)
-        for (int s = 0; s < N; ++s) wanted[i][j] += b[r][i] * dense[r][s] * b[s][j];
+        for (int s = 0; s < N; ++s)
+          if (!apart || r != 4) wanted[i][j] += b[r][i] * dense[r][s] * b[s][j];
   assert_int_equal(sdr_constraints_reduce(&c, &k, &reduced), SDR_OK);
   assert_int_equal(reduced.rows, c.free);
   assert_int_equal(reduced.columns, c.free);
@@ -140,6 +146,32 @@ static void a_matrix_is_reduced(void **state)
     }
   sdr_csr_destroy(&k);
   sdr_csr_destroy(&reduced);
+  sdr_constraints_destroy(&c);
+  held_destroy(&h);
+}
+
+static void a_matrix_is_reduced(void **state)
+{
+  (void)state;
+  check_reduced(0);
+  check_reduced(1);
+}
+
+/* A force on a slave that keeps its forces apart reaches nobody, on another its masters. */
+static void forces_apart_act_on_nothing(void **state)
+{
+  (void)state;
+  uint8_t which[2] = {1, 0};
+  sdr_slaves some = slaves;
+  some.apart = which;
+  held_body h = held_create();
+  sdr_constraints c = {0};
+  double f[N] = {0.0}, g[N];
+  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, values, &some, &c), SDR_OK);
+  f[4] = 1.0;
+  f[5] = 2.0;
+  sdr_constraints_project(&c, f, g);
+  for (int k = 0; k < c.free; ++k) assert_near(g[k], c.unknown[k] == 5 ? 2.0 : 0.0, 0.0);
   sdr_constraints_destroy(&c);
   held_destroy(&h);
 }
@@ -190,6 +222,7 @@ int main(void)
       cmocka_unit_test(components_are_free_prescribed_or_slaved),
       cmocka_unit_test(forces_do_the_same_work_on_the_free_components),
       cmocka_unit_test(a_matrix_is_reduced),
+      cmocka_unit_test(forces_apart_act_on_nothing),
       cmocka_unit_test(supports_that_do_not_act_leave_their_points_free),
       cmocka_unit_test(what_contradicts_itself_is_refused),
   };
