@@ -1,0 +1,152 @@
+/* Loops over the loose pairs of ordinary bodies: the eight points of a chunk are the lanes, and
+   each adds to itself alone. */
+#ifndef SDR_MECHANICS_ORDINARY_LOOSE_H
+#define SDR_MECHANICS_ORDINARY_LOOSE_H
+
+#include "mechanics/ordinary_loop.h"
+
+/* One slot: xi and xi + eta, |xi|, xi^2, stretch and r = 1 + stretch. */
+typedef struct {
+  double xi[3], y[3], length, square, s, r;
+} sdr_ordinary_slot;
+
+SDR_INLINE sdr_ordinary_slot slot_at(const int components, const int linear, const sdr_loose *loose,
+                                     int64_t slot, int64_t i, double *const u[3])
+{
+  const int32_t j = loose->j[slot];
+  sdr_ordinary_slot p = {.xi = {0.0}};
+  double grown = 0.0, along = 0.0;
+  for (int a = 0; a < components; ++a) {
+    const double xi = loose->xi[a][slot], eta = u[a][j] - u[a][i];
+    p.xi[a] = xi;
+    p.y[a] = linear ? xi : xi + eta;
+    p.square += xi * xi;
+    along += xi * eta;
+    grown += (2.0 * xi + eta) * eta;
+  }
+  const double present = p.square + grown;
+  p.length = sqrt(p.square);
+  if (linear) {
+    p.s = along / p.square;
+    p.r = 1.0;
+    return p;
+  }
+  const double now = sqrt(present > 1e-200 ? present : 1e-200); /* l = 0: no direction */
+  p.s = grown / (p.length * (p.length + now));
+  p.r = now / p.length;
+  return p;
+}
+
+/* P and Q of a half over its weight. */
+SDR_INLINE double loose_p(int printed, const sdr_ordinary_slot *p)
+{
+  return printed ? 1.0 : p->square;
+}
+SDR_INLINE double loose_q(int printed, const sdr_ordinary_slot *p)
+{
+  return printed ? p->length : p->square;
+}
+
+/* Flags of a slot as this pass sees them. */
+SDR_INLINE sdr_flags loose_flags_of(const int use, const sdr_ordinary *o, int64_t slot, int64_t i,
+                                    double s)
+{
+  const sdr_flags before = o->body.loose_flags[slot];
+  const double *const q = o->body.threshold;
+  return use ? grown_flags(before, s, q[i], q[o->body.bonds->loose.j[slot]]) : before;
+}
+
+/* A chunk at work: its first point, and the sums of its lanes. */
+typedef struct {
+  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], lost[SDR_LANES], force[3][SDR_LANES];
+  _Alignas(64) sdr_flags fresh[SDR_LANES];
+  int64_t point;
+  double *const *u;
+} sdr_ordinary_chunk;
+
+SDR_INLINE void sums_of_column(const int components, const int squares, const int use,
+                               const int flagged, const int linear, sdr_ordinary *o,
+                               sdr_ordinary_chunk *chunk, int64_t column)
+{
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+  sdr_flags *const flags = flagged ? o->body.loose_flags + column : NULL;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane, i = chunk->point + lane;
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const double w = loose->weight_ij[slot], p = w * loose_p(printed, &pair);
+    double s = pair.s;
+    if (flagged) {
+      const sdr_flags grown = loose_flags_of(use, o, slot, i, s);
+      s = grown & SDR_LOST_I ? 0.0 : s;
+      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p : 0.0;
+      if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
+      chunk->fresh[lane] |= grown;
+    }
+    chunk->sum[lane] += p * s;
+    if (squares) chunk->square[lane] += w * loose_q(printed, &pair) * s * s;
+  }
+}
+
+SDR_INLINE void sums_of_loose(const int components, const int squares, const int use,
+                              const int flagged, const int linear, sdr_ordinary *o, int64_t first,
+                              int64_t end, double *const u[3])
+{
+  for (int64_t c = first; c < end; ++c) {
+    const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
+    sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
+    for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
+      sums_of_column(components, squares, use, flagged, linear, o, &chunk, column);
+    sdr_flags fresh = 0;
+    for (int lane = 0; lane < SDR_LANES; ++lane) {
+      o->sum[chunk.point + lane] += chunk.sum[lane];
+      if (squares) o->square[chunk.point + lane] += chunk.square[lane];
+      if (o->lost) o->lost[chunk.point + lane] += chunk.lost[lane];
+      fresh |= chunk.fresh[lane];
+    }
+    if (use == SDR_FLAGS_COMMIT && fresh & (SDR_FRESH_I | SDR_FRESH_J)) o->body.chunk_fresh[c] = 1;
+  }
+}
+
+SDR_INLINE void force_of_column(const int components, const int use, const int flagged,
+                                const int linear, const sdr_ordinary *o, sdr_ordinary_chunk *chunk,
+                                int64_t column)
+{
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane, i = chunk->point + lane;
+    const int32_t j = loose->j[slot];
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const double p = loose_p(printed, &pair), q = loose_q(printed, &pair) * pair.s;
+    double hi = loose->weight_ij[slot] * (p * o->along[i] + q * o->across[i]);
+    double hj = loose->weight_ji[slot] * (p * o->along[j] + q * o->across[j]);
+    if (flagged) {
+      const sdr_flags grown = loose_flags_of(use, o, slot, i, pair.s);
+      hi = grown & SDR_LOST_I ? 0.0 : hi;
+      hj = grown & SDR_LOST_J ? 0.0 : hj;
+    }
+    const double phi = (hi + hj) / (pair.square * pair.r);
+    for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
+  }
+}
+
+SDR_INLINE void force_of_loose(const int components, const int use, const int flagged,
+                               const int linear, const sdr_ordinary *o, int64_t first, int64_t end,
+                               double *const u[3], double *const f[3])
+{
+  const double sign = linear ? -1.0 : 1.0;
+  for (int64_t c = first; c < end; ++c) {
+    const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
+    sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
+    for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
+      force_of_column(components, use, flagged, linear, o, &chunk, column);
+    for (int a = 0; a < components; ++a)
+      for (int lane = 0; lane < SDR_LANES; ++lane)
+        f[a][chunk.point + lane] += sign * chunk.force[a][lane];
+  }
+}
+
+#endif
