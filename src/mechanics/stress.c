@@ -33,6 +33,19 @@ double sdr_thickness_stretch(const sdr_moduli *moduli, double log_volume)
   return exp(0.5 * log_thickness(moduli, log_volume));
 }
 
+double sdr_plane_thickness(sdr_elasticity elasticity, const sdr_moduli *moduli,
+                           const double *gradient)
+{
+  double work[9];
+  if (elasticity == SDR_NEO_HOOKEAN)
+    return sdr_thickness_stretch(moduli,
+                                 sdr_long_log(sdr_cofactors(2, gradient, work), SDR_LEAST_J).value);
+  /* S33 = 0: E33 = -nu/(1 - nu) tr E, and lambda/(lambda + 2 mu) = nu as lambda is condensed */
+  const double nu = moduli->lambda / (moduli->lambda + 2.0 * moduli->mu);
+  sdr_strain_of(2, 1, gradient, work);
+  return sqrt(fmax(1.0 - 2.0 * nu / (1.0 - nu) * sdr_trace(2, work), SDR_LEAST_J * SDR_LEAST_J));
+}
+
 sdr_function sdr_condensed_volume(const sdr_moduli *m, double l)
 {
   const double x = log_thickness(m, l), sum = l + 0.5 * x;

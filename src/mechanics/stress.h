@@ -56,6 +56,9 @@ void sdr_cauchy(int n, const double *gradient, const double *piola, double thick
 
 /* F33 of a neo-Hookean point in plane stress; L = ln J of the plane. */
 double sdr_thickness_stretch(const sdr_moduli *moduli, double log_volume);
+/* F33 of either law of finite strain in plane stress. */
+double sdr_plane_thickness(sdr_elasticity elasticity, const sdr_moduli *moduli,
+                           const double *gradient);
 
 /* Eigenvalues e and unit eigenvectors (columns of v, 3 x 3) of a symmetric 3 x 3 matrix. */
 void sdr_eigen3(const double *matrix, double *e, double *v);

@@ -1,0 +1,421 @@
+/* Non-ordinary (correspondence) state-based bodies with zero-energy control (theory sec. 9). */
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "mechanics/bond_internal.h"
+#include "mechanics/isa.h"
+#include "mechanics/nonordinary_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static sdr_nonordinary_model *model_of(sdr_model *model)
+{
+  return (sdr_nonordinary_model *)model;
+}
+
+/* ---- passes ---------------------------------------------------------------------------------- */
+
+static void zero_range(double *const *array, int count, int32_t first, int32_t end)
+{
+  for (int k = 0; k < count; ++k)
+    if (array[k]) memset(array[k] + first, 0, (size_t)(end - first) * sizeof(double));
+}
+
+static void zero_sums(const sdr_nonordinary_call *call, int s)
+{
+  const sdr_points *points = call->body.points;
+  if (s >= points->stripe_count) return;
+  const int32_t first = points->stripe_first[s], end = points->stripe_first[s + 1];
+  const int n = points->components;
+  double *const sums[2] = {call->body.square, call->body.along};
+  zero_range(call->body.gradient, n * n, first, end);
+  zero_range(call->body.bearing, n * n, first, end);
+  if (call->sums) zero_range(sums, 2, first, end);
+}
+
+/* Even stripes come first: they clear their own sums and the next stripe's, where they add. */
+static void gather_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const sdr_nonordinary_kernels *kernels = call->model->kernels;
+  const sdr_bonds *bonds = call->body.bonds;
+  if (s % 2 == 0) {
+    zero_sums(call, s);
+    zero_sums(call, s + 1);
+  }
+  if (call->skip && sdr_state_rests(&call->model->state, s, 0, 1)) return;
+  kernels->gather[call->body.points->components - 1][!call->linear][call->sums](
+      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, NULL);
+}
+
+static void gather_loose_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  int64_t first, end;
+  sdr_state_chunks(&call->model->state, s, &first, &end);
+  call->model->kernels->gather_loose[call->body.points->components - 1][!call->linear][call->sums](
+      &call->body, first, end, call->u, NULL);
+}
+
+static void gradients_of_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const int32_t *stripe = call->body.points->stripe_first;
+  call->model->kernels->gradients[call->body.points->components - 1](&call->body, stripe[s],
+                                                                     stripe[s + 1]);
+}
+
+static void control_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const sdr_bonds *bonds = call->body.bonds;
+  if (call->skip && sdr_state_rests(&call->model->state, s, 1, 2)) return;
+  call->model->kernels->control[call->body.points->components - 1](
+      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, NULL);
+}
+
+static void control_loose_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  int64_t first, end;
+  sdr_state_chunks(&call->model->state, s, &first, &end);
+  call->model->kernels->control_loose[call->body.points->components - 1](&call->body, first, end,
+                                                                         call->u, NULL);
+}
+
+static void points_of_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const int32_t *stripe = call->body.points->stripe_first;
+  call->points(&call->body, stripe[s], stripe[s + 1]);
+}
+
+void sdr_nonordinary_gather(sdr_nonordinary_call *call)
+{
+  const sdr_points *points = call->body.points;
+  const int loose = call->body.bonds->loose.chunk_count > 0, stripes = points->stripe_count;
+  sdr_each_stripe(points, gather_stripe, call);
+  if (loose) sdr_parallel_for(0, stripes, 1, gather_loose_stripe, call);
+  if (!call->linear) {
+    sdr_parallel_for(0, stripes, 1, gradients_of_stripe, call);
+    sdr_each_stripe(points, control_stripe, call);
+    if (loose) sdr_parallel_for(0, stripes, 1, control_loose_stripe, call);
+  }
+  sdr_parallel_for(0, stripes, 1, points_of_stripe, call);
+}
+
+static void force_of_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const sdr_points *points = call->body.points;
+  const sdr_bonds *bonds = call->body.bonds;
+  const int32_t *stripe = points->stripe_first;
+  if (s % 2 == 0)
+    zero_range(call->f, points->components, stripe[s],
+               stripe[s + 2 < points->stripe_count ? s + 2 : points->stripe_count]);
+  if (call->skip && sdr_state_rests(&call->model->state, s, 1, 2)) return;
+  call->model->kernels->force[points->components - 1][!call->linear](
+      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->f);
+}
+
+static void force_of_loose_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  int64_t first, end;
+  sdr_state_chunks(&call->model->state, s, &first, &end);
+  call->model->kernels->force_loose[call->body.points->components - 1][!call->linear](
+      &call->body, first, end, call->u, call->f);
+}
+
+void sdr_nonordinary_spread(sdr_nonordinary_call *call)
+{
+  const sdr_points *points = call->body.points;
+  sdr_each_stripe(points, force_of_stripe, call);
+  if (call->body.bonds->loose.chunk_count > 0)
+    sdr_parallel_for(0, points->stripe_count, 1, force_of_loose_stripe, call);
+}
+
+/* ---- state ----------------------------------------------------------------------------------- */
+
+/* Families follow from the flags, so a checkpoint need not hold them; but sums made anew have other
+   last digits than those that followed bond by bond. So both who writes a checkpoint and who reads
+   it make them anew: what is written says that they are stale. */
+static void state_blocks(sdr_model *model, sdr_state_block *blocks, int *count)
+{
+  sdr_nonordinary_model *own = model_of(model);
+  sdr_state_blocks(model, blocks, count);
+  if (own->state.law != SDR_LAW_CRITICAL_STRETCH) return;
+  own->stale = 1;
+  blocks[(*count)++] = (sdr_state_block){"stale", &own->stale, sizeof own->stale};
+}
+
+static void refresh(sdr_nonordinary_model *model)
+{
+  if (!model->stale) return;
+  sdr_nonordinary_families(model, 1);
+  model->stale = 0;
+}
+
+/* ---- operations ------------------------------------------------------------------------------ */
+
+/* The arrays of the shared part may have come since: flags with the first mark. */
+static sdr_nonordinary_body body_now(const sdr_nonordinary_model *model)
+{
+  sdr_nonordinary_body body = model->body;
+  body.flags = model->state.flags;
+  body.loose_flags = model->state.loose_flags;
+  body.run_flagged = model->state.run_flagged;
+  body.loose_flagged = model->state.loose_flags != NULL;
+  body.commit = 0;
+  return body;
+}
+
+static sdr_nonordinary_call call_of(sdr_nonordinary_model *model, int task, double *const u[3])
+{
+  sdr_nonordinary_call call = {.model = model,
+                               .body = body_now(model),
+                               .linear = model->elasticity == SDR_LINEAR,
+                               .sums = task != SDR_POINT_ELASTIC,
+                               .skip = 1,
+                               .u = u};
+  const int n = model->state.head.points->components;
+  call.points = model->kernels->point[n - 1][model->elasticity][model->split][task];
+  sdr_state_watch(&model->state, u);
+  refresh(model);
+  return call;
+}
+
+static void compute_force(sdr_nonordinary_model *model, int commit, double *const u[3],
+                          double *const f[3])
+{
+  const int task = model->state.history ? SDR_POINT_DAMAGED : SDR_POINT_ELASTIC;
+  sdr_nonordinary_call call = call_of(model, task, u);
+  call.body.commit = commit;
+  call.f = f;
+  sdr_nonordinary_gather(&call);
+  sdr_nonordinary_spread(&call);
+}
+
+static void force(sdr_model *model, double *const u[3], double *const f[3])
+{
+  compute_force(model_of(model), 0, u, f);
+}
+
+static void force_commit(sdr_model *model, double *const u[3], double *const v[3], double dt,
+                         double *const f[3])
+{
+  sdr_nonordinary_model *own = model_of(model);
+  if (own->state.law == SDR_LAW_CRITICAL_STRETCH) {
+    refresh(own);
+    sdr_nonordinary_break(own, u);
+    sdr_state_book(&own->state, u, v, dt);
+  }
+  compute_force(own, 1, u, f);
+}
+
+static void split(sdr_state_body *state, double *const u[3])
+{
+  sdr_nonordinary_call call = call_of((sdr_nonordinary_model *)state, SDR_POINT_ENERGY, u);
+  sdr_nonordinary_gather(&call);
+}
+
+/* The tangent of the undeformed body is that of small strains. */
+static void reference_times(sdr_model *model, double *const v[3], double *const out[3])
+{
+  sdr_nonordinary_model *own = model_of(model);
+  const int n = model->points->components;
+  refresh(own);
+  sdr_nonordinary_call call = {.model = own, .body = body_now(own), .linear = 1, .u = v, .f = out};
+  call.body.lambda = own->reference_lambda;
+  call.body.mu = own->reference_mu;
+  call.points = own->kernels->point[n - 1][SDR_LINEAR][SDR_SPLIT_WHOLE][SDR_POINT_ELASTIC];
+  sdr_nonordinary_gather(&call);
+  sdr_nonordinary_spread(&call);
+  for (int a = 0; a < n; ++a)
+    for (int32_t i = 0; i < model->points->count; ++i) out[a][i] = -out[a][i];
+}
+
+static const char *isa(const sdr_state_body *state)
+{
+  return ((const sdr_nonordinary_model *)state)->kernels->name;
+}
+
+static sdr_status remake(sdr_state_body *state)
+{
+  sdr_nonordinary_model *model = (sdr_nonordinary_model *)state;
+  return sdr_nonordinary_families(model, state->law == SDR_LAW_CRITICAL_STRETCH);
+}
+
+static void destroy(sdr_model *model)
+{
+  sdr_nonordinary_model *own = model_of(model);
+  if (!own) return;
+  sdr_state_body_clear(&own->state);
+  for (int k = 0; k < 6; ++k) sdr_free(own->body.inverse[k]);
+  for (int k = 0; k < 15; ++k) sdr_free(own->body.quartic[k]);
+  for (int k = 0; k < 9; ++k) {
+    sdr_free(own->body.gradient[k]);
+    sdr_free(own->body.bearing[k]);
+  }
+  void *const blocks[] = {
+      own->body.shear,    own->body.normal,    own->body.square,      own->body.along,
+      own->body.soft,     own->body.stiff,     own->lambda,           own->mu,
+      own->control_shear, own->control_normal, own->reference_lambda, own->reference_mu,
+      own->limit,         own->found,          own->found_loose,      own->first,
+      own->member};
+  for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
+  sdr_free(own);
+}
+
+static const sdr_state_hooks hooks = {
+    .isa = isa, .split = split, .remake = remake, .book = sdr_nonordinary_book};
+
+static const sdr_model_ops ops = {.name = "nonordinary",
+                                  .force = force,
+                                  .force_commit = force_commit,
+                                  .commit = sdr_state_commit,
+                                  .energies = sdr_state_energies,
+                                  .reference_times = reference_times,
+                                  .tangent_times = sdr_nonordinary_tangent_times,
+                                  .tangent_diagonal = sdr_nonordinary_tangent_diagonal,
+                                  .field = sdr_nonordinary_field,
+                                  .visit_damage = sdr_state_visit_damage,
+                                  .visit_hessian = sdr_nonordinary_visit_hessian,
+                                  .mark = sdr_state_mark,
+                                  .skip_rest = sdr_state_skip_rest,
+                                  .traits = sdr_state_traits,
+                                  .state = state_blocks,
+                                  .destroy = destroy};
+
+/* ---- creation -------------------------------------------------------------------------------- */
+
+static sdr_status alloc_all(sdr_nonordinary_model *model)
+{
+  sdr_nonordinary_body *body = &model->body;
+  const sdr_bonds *bonds = model->state.bonds;
+  const int n = model->state.head.points->components;
+  const size_t padded = sdr_points_padded(model->state.head.points);
+  double **const single[] = {&body->shear,
+                             &body->normal,
+                             &body->square,
+                             &body->along,
+                             &body->soft,
+                             &body->stiff,
+                             &model->lambda,
+                             &model->mu,
+                             &model->control_shear,
+                             &model->control_normal,
+                             &model->reference_lambda,
+                             &model->reference_mu,
+                             &model->limit};
+  int failed = 0;
+  for (size_t k = 0; k < sizeof single / sizeof *single; ++k)
+    failed |= !(*single[k] = sdr_alloc(padded, sizeof(double)));
+  for (int k = 0; k < n * (n + 1) / 2; ++k)
+    failed |= !(body->inverse[k] = sdr_alloc(padded, sizeof(double)));
+  for (int k = 0; k < sdr_monomial_count(n); ++k)
+    failed |= !(body->quartic[k] = sdr_alloc(padded, sizeof(double)));
+  for (int k = 0; k < n * n; ++k) {
+    failed |= !(body->gradient[k] = sdr_alloc(padded, sizeof(double)));
+    failed |= !(body->bearing[k] = sdr_alloc(padded, sizeof(double)));
+  }
+  failed |= !(model->found = sdr_alloc((size_t)bonds->run_count, 1));
+  failed |= !(model->found_loose = sdr_alloc((size_t)bonds->loose.chunk_count, 1));
+  return failed ? SDR_RUN_FAILED : SDR_OK;
+}
+
+/* P_s and P_n (Pa) that cancel the lattice's dispersion of second order for both waves. */
+static void control_of(int n, double bulk, double shear, double young, double *p_shear,
+                       double *p_normal)
+{
+  const double longitudinal = bulk + 2.0 * shear * (n - 1) / n; /* D = lambda + 2 mu */
+  const double wanted = n * (5.0 * shear - longitudinal) / 3.0;
+  *p_shear = fmax(wanted, 0.1 * young);
+  *p_normal = n * (n + 4) * (longitudinal - shear) / 3.0;
+}
+
+static sdr_status set_control(sdr_nonordinary_model *model, const sdr_state_based_how *how)
+{
+  const sdr_points *points = model->state.head.points;
+  for (int32_t i = 0; i < points->count; ++i) {
+    double p_shear, p_normal;
+    control_of(points->components, model->state.bulk[i], model->state.shear[i], how->young[i],
+               &p_shear, &p_normal);
+    if (!isnan(how->control_shear)) p_shear = how->control_shear;
+    if (!isnan(how->control_normal)) p_normal = how->control_normal;
+    if (!(p_shear >= 0.0 && p_shear + p_normal >= 0.0))
+      return sdr_fail(SDR_BAD_INPUT,
+                      "the zero-energy control needs shear >= 0 and shear + normal >= 0, not %g Pa "
+                      "and %g Pa",
+                      p_shear, p_normal);
+    model->control_shear[i] = p_shear;
+    model->control_normal[i] = p_normal;
+  }
+  return SDR_OK;
+}
+
+static sdr_status set_constants(sdr_nonordinary_model *model, const sdr_state_based_how *how)
+{
+  const sdr_points *points = model->state.head.points;
+  const int n = points->components;
+  for (int32_t i = 0; i < points->count; ++i) {
+    const double nu = how->dimension == SDR_1D ? 0.0 : how->poisson[points->material[i]];
+    const sdr_moduli moduli = sdr_moduli_of(how->dimension, how->elasticity, how->young[i], nu);
+    model->lambda[i] = moduli.lambda;
+    model->mu[i] = moduli.mu;
+    model->body.plane_stress = moduli.plane_stress;
+    model->reference_mu[i] = model->state.shear[i];
+    model->reference_lambda[i] = model->state.bulk[i] - 2.0 * model->state.shear[i] / n;
+    if (!model->state.threshold) continue;
+    const double s = sqrt(model->state.threshold[i]);
+    /* a little less: what is found here is looked at again */
+    model->limit[i] = s * (2.0 + s) * (1.0 - 1e-12);
+  }
+  return set_control(model, how);
+}
+
+static const sdr_nonordinary_kernels *best_kernels(void)
+{
+#ifdef SDR_HAVE_X86_KERNELS
+  if (sdr_isa_level() == 2) return &sdr_nonordinary_kernels_avx512;
+  if (sdr_isa_level() == 1) return &sdr_nonordinary_kernels_avx2;
+#endif
+  return &sdr_nonordinary_kernels_baseline;
+}
+
+static sdr_status make(sdr_nonordinary_model *model, const sdr_points *points, sdr_bonds *bonds,
+                       const sdr_state_based_how *how)
+{
+  SDR_TRY(sdr_state_body_init(&model->state, &ops, &hooks, points, bonds, how));
+  model->kernels = best_kernels();
+  model->elasticity = how->elasticity;
+  model->split = how->law == SDR_LAW_VARIATIONAL ? (int)how->split : SDR_SPLIT_WHOLE;
+  SDR_TRY(alloc_all(model));
+  SDR_TRY(set_constants(model, how));
+  model->body.points = points;
+  model->body.bonds = bonds;
+  model->body.lambda = model->lambda;
+  model->body.mu = model->mu;
+  model->body.history = model->state.history;
+  model->body.softness = model->state.softness;
+  model->body.plus = model->state.plus;
+  model->body.minus = model->state.minus;
+  return sdr_nonordinary_families(model, 0);
+}
+
+sdr_status sdr_nonordinary_create(const sdr_points *points, sdr_bonds *bonds,
+                                  const sdr_state_based_how *how, sdr_model **out)
+{
+  sdr_nonordinary_model *model = sdr_alloc(1, sizeof *model);
+  if (!model) {
+    sdr_bonds_destroy(&bonds);
+    return SDR_RUN_FAILED;
+  }
+  const sdr_status status = make(model, points, bonds, how);
+  if (status != SDR_OK) {
+    destroy(&model->state.head);
+    return status;
+  }
+  *out = &model->state.head;
+  return SDR_OK;
+}

@@ -1,0 +1,360 @@
+/* Shape tensors of non-ordinary bodies, and what happens when critical stretch takes bonds out of
+   families: they are made anew, and the energy that went is booked. */
+#include "base/parallel.h"
+#include "mechanics/bond_internal.h"
+#include "mechanics/nonordinary_internal.h"
+#include "mechanics/nonordinary_loop.h"
+#include "nom/weight.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Above this ratio of eigenvalues a shape tensor counts as singular. */
+static const double worst_condition = 1e8;
+
+static sdr_flags flags_of(const sdr_state_body *state, const sdr_pair *pair)
+{
+  const sdr_flags *flags = pair->loose ? state->loose_flags : state->flags;
+  return flags ? flags[pair->slot] : 0;
+}
+
+/* ---- shape tensors --------------------------------------------------------------------------- */
+
+typedef struct {
+  sdr_nonordinary_model *model;
+  int only_fresh;
+} families_call;
+
+/* K, in the place of its inverse, and the fourth moments of point i. */
+static void add_moments(sdr_nonordinary_model *model, int32_t i, const sdr_pair *pair, double w)
+{
+  const int n = model->state.head.points->components;
+  double phi[SDR_MONOMIALS], normal[3] = {0.0};
+  for (int a = 0; a < n; ++a) {
+    normal[a] = pair->xi[a] / pair->length;
+    for (int b = a; b < n; ++b)
+      model->body.inverse[sdr_upper(n, a, b)][i] += w * pair->xi[a] * pair->xi[b];
+  }
+  const int count = sdr_quartic(n, normal, phi);
+  for (int k = 0; k < count; ++k)
+    model->body.quartic[k][i] += w * pair->length * pair->length * phi[k];
+}
+
+static void add_family(void *context, const sdr_pair *pair)
+{
+  const families_call *call = context;
+  const sdr_state_body *state = &call->model->state;
+  const sdr_flags flags = flags_of(state, pair);
+  const int i = !call->only_fresh || state->fresh[pair->i];
+  const int j = (!call->only_fresh || state->fresh[pair->j]) && !pair->loose;
+  if (i && !(flags & SDR_LOST_I)) add_moments(call->model, pair->i, pair, pair->weight_ij);
+  if (j && !(flags & SDR_LOST_J)) add_moments(call->model, pair->j, pair, pair->weight_ji);
+}
+
+static void clear_moments(sdr_nonordinary_model *model, int32_t i)
+{
+  const int n = model->state.head.points->components;
+  for (int k = 0; k < n * (n + 1) / 2; ++k) model->body.inverse[k][i] = 0.0;
+  for (int k = 0; k < sdr_monomial_count(n); ++k) model->body.quartic[k][i] = 0.0;
+}
+
+/* Adjugate of the symmetric matrix k (upper half), and its determinant. */
+static double adjugate(int n, const double k[6], double a[6])
+{
+  if (n == 1) {
+    a[0] = 1.0;
+    return k[0];
+  }
+  if (n == 2) {
+    a[0] = k[2];
+    a[1] = -k[1];
+    a[2] = k[0];
+    return k[0] * k[2] - k[1] * k[1];
+  }
+  a[0] = k[3] * k[5] - k[4] * k[4];
+  a[1] = k[2] * k[4] - k[1] * k[5];
+  a[2] = k[1] * k[4] - k[2] * k[3];
+  a[3] = k[0] * k[5] - k[2] * k[2];
+  a[4] = k[1] * k[2] - k[0] * k[4];
+  a[5] = k[0] * k[3] - k[1] * k[1];
+  return k[0] * a[0] + k[1] * a[1] + k[2] * a[2];
+}
+
+/* Ratio of the eigenvalues of k; 0 for an empty family, infinite for a singular one. */
+static double condition_of(int n, const double k[6])
+{
+  double full[9] = {0.0}, e[3], v[9];
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) full[3 * a + b] = k[sdr_upper(n, a, b)];
+  sdr_eigen3(full, e, v);
+  double least = e[0], most = e[0];
+  for (int a = 1; a < n; ++a) {
+    least = fmin(least, e[a]);
+    most = fmax(most, e[a]);
+  }
+  if (!(most > 0.0)) return 0.0;
+  return least > 0.0 ? most / least : (double)INFINITY;
+}
+
+/* K^-1 and the control of point i; 0 if K has none, and the point carries nothing. */
+static int invert(sdr_nonordinary_model *model, int32_t i)
+{
+  const sdr_points *points = model->state.head.points;
+  const int n = points->components, size = n * (n + 1) / 2;
+  double k[6] = {0.0}, a[6], trace = 0.0;
+  for (int e = 0; e < size; ++e) k[e] = model->body.inverse[e][i];
+  for (int e = 0; e < n; ++e) trace += k[sdr_upper(n, e, e)];
+  const double condition = condition_of(n, k), determinant = adjugate(n, k, a);
+  const int sound = condition >= 1.0 && condition <= worst_condition;
+  for (int e = 0; e < size; ++e) model->body.inverse[e][i] = sound ? a[e] / determinant : 0.0;
+  const double volume = sound ? points->volume[i] / trace : 0.0;
+  model->body.shear[i] = volume * model->control_shear[i];
+  model->body.normal[i] = volume * model->control_normal[i];
+  model->body.soft[i] = model->body.shear[i];
+  model->body.stiff[i] = model->body.normal[i];
+  return sound || condition == 0.0;
+}
+
+static sdr_status singular(const sdr_points *points, int32_t i)
+{
+  return sdr_fail(SDR_BAD_INPUT,
+                  "the non-ordinary model cannot tell strains at point %d, (%g, %g, %g) m: its "
+                  "neighbours lie (almost) in a %s; take a larger horizon or more points across",
+                  (int)i, points->x[0][i], points->components > 1 ? points->x[1][i] : 0.0,
+                  points->components > 2 ? points->x[2][i] : 0.0,
+                  points->components > 2 ? "plane" : "line");
+}
+
+sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
+{
+  const sdr_points *points = model->state.head.points;
+  families_call call = {model, 0};
+  for (int32_t i = 0; i < points->count; ++i) clear_moments(model, i);
+  sdr_bonds_visit(model->state.bonds, points, add_family, &call);
+  for (int32_t i = 0; i < points->count; ++i)
+    if (!invert(model, i) && !may_fail) return singular(points, i);
+  return SDR_OK;
+}
+
+/* ---- bonds that break ------------------------------------------------------------------------ */
+
+typedef struct {
+  sdr_nonordinary_model *model;
+  double *const *u;
+  int fresh;
+} break_call;
+
+static void break_pair(void *context, const sdr_pair *pair)
+{
+  break_call *call = context;
+  sdr_state_body *state = &call->model->state;
+  sdr_flags *flags = (pair->loose ? state->loose_flags : state->flags) + pair->slot;
+  const double s = sdr_pair_stretch(pair, state->head.points->components, call->u);
+  const sdr_flags fresh = sdr_state_lost(state, pair, s, 1) & ~*flags;
+  if (!fresh) return;
+  *flags |= fresh | fresh << 2;
+  call->fresh = 1;
+}
+
+static void break_stripe(void *context, int s)
+{
+  break_call call = *(const break_call *)context;
+  sdr_nonordinary_model *model = call.model;
+  sdr_state_body *state = &model->state;
+  const sdr_bonds *bonds = state->bonds;
+  const int64_t first = bonds->stripe_run[s], end = bonds->stripe_run[s + 1];
+  sdr_nonordinary_body body = model->body;
+  body.flags = state->flags;
+  body.run_flagged = state->run_flagged;
+  if (sdr_state_rests(state, s, 0, 1)) return;
+  model->kernels->find[bonds->components - 1](&body, first, end, call.u, model->limit,
+                                              model->found);
+  for (int64_t r = first; r < end; ++r) {
+    if (!model->found[r]) continue;
+    call.fresh = 0;
+    sdr_bonds_visit_run(bonds, &bonds->runs[r], break_pair, &call);
+    if (call.fresh) state->run_fresh[r] = state->run_flagged[r] = 1;
+  }
+}
+
+/* The slots of one loose point belong to it alone. */
+static void break_chunks(void *context, int s)
+{
+  break_call call = *(const break_call *)context;
+  sdr_nonordinary_model *model = call.model;
+  sdr_state_body *state = &model->state;
+  const int32_t count = state->head.points->count;
+  int64_t first, end;
+  sdr_state_chunks(state, s, &first, &end);
+  sdr_nonordinary_body body = model->body;
+  body.loose_flags = state->loose_flags;
+  model->kernels->find_loose[state->bonds->components - 1](&body, first, end, call.u, model->limit,
+                                                           model->found_loose);
+  for (int64_t chunk = first; chunk < end; ++chunk) {
+    if (!model->found_loose[chunk]) continue;
+    call.fresh = 0;
+    for (int64_t i = chunk * SDR_LANES; i < (chunk + 1) * SDR_LANES && i < count; ++i)
+      sdr_bonds_visit_loose_point(state->bonds, (int32_t)i, break_pair, &call);
+    if (call.fresh) state->chunk_fresh[chunk] = 1;
+  }
+}
+
+void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3])
+{
+  const sdr_state_body *state = &model->state;
+  const int stripes = state->head.points->stripe_count;
+  break_call call = {model, u, 0};
+  sdr_state_watch(&model->state, u);
+  sdr_parallel_for(0, stripes, 1, break_stripe, &call);
+  if (state->bonds->loose.chunk_count > 0) sdr_parallel_for(0, stripes, 1, break_chunks, &call);
+}
+
+/* ---- books ----------------------------------------------------------------------------------- */
+
+/* The displacement u - back dt v, of families as they are (`before`: with what is fresh). */
+typedef struct {
+  sdr_nonordinary_model *model;
+  double *const *u, *const *v;
+  double back, factor;
+  int before;
+} book_call;
+
+static void difference(const book_call *call, const sdr_pair *pair, double eta[3])
+{
+  for (int a = 0; a < call->model->state.head.points->components; ++a) {
+    eta[a] = call->u[a][pair->j] - call->u[a][pair->i];
+    if (call->v) eta[a] -= call->back * (call->v[a][pair->j] - call->v[a][pair->i]);
+  }
+}
+
+/* 1 if the half `lost` of the pair still counts. */
+static int counts(const book_call *call, const sdr_pair *pair, sdr_flags lost)
+{
+  const sdr_flags flags = flags_of(&call->model->state, pair);
+  return !(flags & lost) || (call->before && flags & (lost << 2));
+}
+
+/* Pass A for one point. */
+static void gather_point(const sdr_nonordinary_model *model, int32_t i, const sdr_pair *pair,
+                         double w, const double *eta)
+{
+  const int n = model->state.head.points->components;
+  const sdr_sums s = sums_at(n, &model->body, i);
+  const sdr_moments f = moments_of(n, pair->xi, pair->length, w);
+  double along = 0.0, square = 0.0;
+  for (int a = 0; a < n; ++a) {
+    along += eta[a] * pair->xi[a] / pair->length;
+    square += eta[a] * eta[a];
+    for (int b = 0; b < n; ++b) *s.m[n * a + b] += f.m[b] * eta[a];
+  }
+  if (model->elasticity != SDR_LINEAR) return;
+  for (int a = 0; a < kept_of_normal(n); ++a) *s.q[a] += f.q[a] * along;
+  *s.square += w * square;
+  *s.along += w * (along * along);
+}
+
+/* Pass A2 for one point. */
+static void control_point(const sdr_nonordinary_model *model, int32_t i, const sdr_pair *pair,
+                          double w, const double *eta)
+{
+  const int n = model->state.head.points->components;
+  const sdr_side side = side_at(n, &model->body, i);
+  const sdr_residual r = residual_of(n, side.g, 0, pair->xi, eta);
+  add_control(n, &r, 1.0 / r.square, w, pair->xi, side.s, side.square, side.along, 0);
+}
+
+static void each_end(const book_call *call, const sdr_pair *pair,
+                     void (*visit)(const sdr_nonordinary_model *, int32_t, const sdr_pair *, double,
+                                   const double *))
+{
+  const sdr_state_body *state = &call->model->state;
+  double eta[3];
+  difference(call, pair, eta);
+  if (state->fresh[pair->i] && counts(call, pair, SDR_LOST_I))
+    visit(call->model, pair->i, pair, pair->weight_ij, eta);
+  if (state->fresh[pair->j] && counts(call, pair, SDR_LOST_J) && !pair->loose)
+    visit(call->model, pair->j, pair, pair->weight_ji, eta);
+}
+
+static void gather_pair(void *context, const sdr_pair *pair)
+{
+  each_end(context, pair, gather_point);
+}
+static void control_pair(void *context, const sdr_pair *pair)
+{
+  each_end(context, pair, control_point);
+}
+
+static void gather_fresh(void *context, int s)
+{
+  const book_call *call = context;
+  sdr_state_visit_fresh(&call->model->state, s, gather_pair, context);
+}
+static void control_fresh(void *context, int s)
+{
+  const book_call *call = context;
+  sdr_state_visit_fresh(&call->model->state, s, control_pair, context);
+}
+static void family_fresh(void *context, int s)
+{
+  const families_call *call = context;
+  sdr_state_visit_fresh(&call->model->state, s, add_family, context);
+}
+
+/* The arrays of the passes at point i, all zero. */
+static void clear_sums(const sdr_nonordinary_model *model, int32_t i)
+{
+  const int n = model->state.head.points->components;
+  for (int k = 0; k < n * n; ++k) model->body.gradient[k][i] = model->body.bearing[k][i] = 0.0;
+  model->body.square[i] = model->body.along[i] = 0.0;
+}
+
+/* booked += factor times the energy of each fresh point. */
+static void add_energies(book_call *call)
+{
+  sdr_nonordinary_model *model = call->model;
+  sdr_state_body *state = &model->state;
+  const sdr_points *points = state->head.points;
+  const int n = points->components, finite = model->elasticity != SDR_LINEAR;
+  const sdr_nonordinary_points energy =
+      model->kernels->point[n - 1][model->elasticity][SDR_SPLIT_WHOLE][SDR_POINT_ENERGY];
+  for (int32_t i = 0; i < points->count; ++i)
+    if (state->fresh[i]) clear_sums(model, i);
+  sdr_each_stripe(points, gather_fresh, call);
+  for (int32_t i = 0; finite && i < points->count; ++i)
+    if (state->fresh[i]) model->kernels->gradients[n - 1](&model->body, i, i + 1);
+  if (finite) sdr_each_stripe(points, control_fresh, call);
+  for (int32_t i = 0; i < points->count; ++i) {
+    if (!state->fresh[i]) continue;
+    energy(&model->body, i, i + 1);
+    state->booked[i] += call->factor * points->volume[i] * (state->plus[i] + state->minus[i]);
+  }
+}
+
+/* With e(k) the energy lost at u - k dt v, what the step loses is e(0) + e'(0)/2: the work of the
+   forces that went, over half the step, is missing from the trapezoid. */
+static void add_all_energies(book_call *call, double sign, double dt)
+{
+  static const double back[3] = {0.0, 1.0, -1.0}, factor[3] = {1.0, 0.25, -0.25};
+  for (int k = 0; k < (call->v ? 3 : 1); ++k) {
+    call->back = back[k] * dt;
+    call->factor = sign * factor[k];
+    add_energies(call);
+  }
+}
+
+void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *const v[3], double dt)
+{
+  sdr_nonordinary_model *model = (sdr_nonordinary_model *)state;
+  const sdr_points *points = state->head.points;
+  book_call call = {.model = model, .u = u, .v = v, .before = 1};
+  families_call families = {model, 1};
+  add_all_energies(&call, 1.0, dt);
+  for (int32_t i = 0; i < points->count; ++i)
+    if (state->fresh[i]) clear_moments(model, i);
+  sdr_each_stripe(points, family_fresh, &families);
+  for (int32_t i = 0; i < points->count; ++i)
+    if (state->fresh[i]) invert(model, i);
+  call.before = 0;
+  add_all_energies(&call, -1.0, dt);
+}

@@ -1,0 +1,71 @@
+/* Shared by the files that make up the non-ordinary model. */
+#ifndef SDR_MECHANICS_NONORDINARY_INTERNAL_H
+#define SDR_MECHANICS_NONORDINARY_INTERNAL_H
+
+#include "mechanics/nonordinary_body.h"
+#include "mechanics/state_body.h"
+#include "mechanics/stress.h"
+
+/* A directed bond in the list of its owner, for the exact tangent. */
+typedef struct {
+  int32_t j;
+  int32_t loose;
+  int64_t slot;
+  double xi[3], weight; /* W */
+} sdr_member;
+
+typedef struct {
+  sdr_state_body state;
+  sdr_nonordinary_body body;
+  const sdr_nonordinary_kernels *kernels;
+  sdr_elasticity elasticity;
+  int split;             /* SDR_SPLIT_WHOLE unless variational */
+  double *lambda, *mu;   /* Pa, of the law */
+  double *control_shear; /* Pa: P_s and P_n */
+  double *control_normal;
+  double *reference_lambda, *reference_mu; /* Pa, of the law for small strains */
+  double *limit;                           /* critical_stretch: s0 (2 + s0) */
+  uint8_t *found, *found_loose;            /* a run, a chunk */
+  int32_t stale; /* 1: the flags may have been read from a checkpoint (critical_stretch) */
+
+  /* Made when a tangent is first asked for. */
+  int64_t *first; /* count + 1: the members of point i are first[i] .. first[i + 1] - 1 */
+  sdr_member *member;
+  int most; /* members of the largest family */
+} sdr_nonordinary_model;
+
+/* What one evaluation is to do. */
+typedef struct {
+  sdr_nonordinary_model *model;
+  sdr_nonordinary_body body;
+  int linear; /* 1: passes of small strain */
+  int sums;
+  int skip; /* 1: resting stripes are left out */
+  sdr_nonordinary_points points;
+  double *const *u, *const *f;
+} sdr_nonordinary_call;
+
+/* Passes A and A2, then `points` on all of them. */
+void sdr_nonordinary_gather(sdr_nonordinary_call *call);
+/* Pass B: call->f. */
+void sdr_nonordinary_spread(sdr_nonordinary_call *call);
+
+/* Shape tensors, moments and control of all families as the flags leave them. A point without an
+   invertible shape tensor is named in the error; `may_fail`: it carries nothing instead. */
+sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail);
+
+/* Break what u stretches too far (critical_stretch). */
+void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3]);
+/* See sdr_state_hooks. */
+void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *const v[3], double dt);
+
+/* See sdr_model_ops. */
+sdr_status sdr_nonordinary_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
+                                         double *const out[3]);
+sdr_status sdr_nonordinary_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
+sdr_status sdr_nonordinary_visit_hessian(sdr_model *model, double *const u[3],
+                                         sdr_hessian_visitor visit, void *context);
+sdr_status sdr_nonordinary_field(sdr_model *model, double *const u[3], sdr_model_field which,
+                                 double *out);
+
+#endif
