@@ -1,5 +1,5 @@
 /* Weights (influence functions) of a neighbour at distance r in a support of radius h, as functions
-   of q = r/h, by name (theory sec. 9). */
+   of q = r/h, by name (theory, "Nonlocal operators"). */
 #ifndef SDR_NOM_INFLUENCE_H
 #define SDR_NOM_INFLUENCE_H
 

@@ -1,4 +1,5 @@
-/* Nonlocal derivatives of every multi-index up to an order (002 eq. 14, theory sec. 9):
+/* Nonlocal derivatives of every multi-index up to an order (002 eq. 14; theory, "Nonlocal
+   operators"):
        D_a u(X_i) = a!/h_i^|a| [M_i^-1 sum_j w V_j p (u_j - u_i)]_a .
    Exact for polynomials up to the order on any points whose shape tensors are regular. */
 #ifndef SDR_NOM_OPERATOR_H

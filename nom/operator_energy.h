@@ -1,9 +1,9 @@
 /* Operator energy: what an operator of an order cannot see of a field, squared (hourglass control).
        E = sum_i V_i P_i/(2 m_i) sum_j w V_j (u_j - u_i - sum_a r^a/a! D_a u_i)^2,
        m_i = sum_j w V_j |r|^2 .
-   It vanishes for polynomials up to the order, and only adds to the energy of the zero-energy modes
-   of a functional of few derivatives. Its form is W - W p M^-1 p^T W, a projection, so no weights
-   are needed (theory sec. 9). */
+   It vanishes for polynomials up to the order and holds what the operators let pass, as the
+   checkerboard. Its form is W - W p M^-1 p^T W, a projection, so no weights are needed (theory,
+   "Nonlocal operators"). */
 #ifndef SDR_NOM_OPERATOR_ENERGY_H
 #define SDR_NOM_OPERATOR_ENERGY_H
 

@@ -1,4 +1,4 @@
-/* Generalised shape tensors (002 eq. 14-17, theory sec. 9):
+/* Generalised shape tensors (002 eq. 14-17; theory, "Nonlocal operators"):
        M_i = sum_j w(r/h_i) V_j p p^T,   p = all monomials r^a/h_i^|a|, r = X_j - X_i,
    kept as its inverse. */
 #ifndef SDR_NOM_SHAPE_TENSOR_H

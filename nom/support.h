@@ -1,5 +1,6 @@
-/* Supports: for every point the neighbours that its nonlocal operators see (theory sec. 9). They
-   are directed, as horizon sets are, but know nothing of bonds: any cloud of positions will do. */
+/* Supports: for every point the neighbours that its nonlocal operators see (theory, "Nonlocal
+   operators"). They are directed, as horizon sets are, but know nothing of bonds: any cloud of
+   positions will do. */
 #ifndef SDR_NOM_SUPPORT_H
 #define SDR_NOM_SUPPORT_H
 

@@ -1,6 +1,6 @@
-/* Derivatives by nonlocal operators converge as theory sec. 9 says, on lattices and on jittered
-   points. Supports hold 8/14/22/32 nearest points for orders 1/2/3/4 in 2-D, weights are Gaussian;
-   errors are relative, in the L2 norm over the points. */
+/* Derivatives by nonlocal operators converge as theory, "Nonlocal operators", says, on lattices and
+   on jittered points. Supports hold 8/14/22/32 nearest points for orders 1/2/3/4 in 2-D, weights
+   are Gaussian; errors are relative, in the L2 norm over the points. */
 #include "support/grid.h"
 
 static const int nearest_of[5] = {0, 8, 14, 22, 32};

@@ -134,7 +134,8 @@ static double poisson_by_functional(int cells, int frame, double p)
   return error;
 }
 
-/* P = 4 d/3 = 8/3 takes the second-order error of the energy away (theory sec. 9). */
+/* P = 4 d/3 = 8/3 takes the second-order error of the energy away (theory, "Nonlocal operators").
+ */
 static void the_first_order_functional_with_operator_energy_is_of_order_four(void **state)
 {
   (void)state;
@@ -261,8 +262,9 @@ static void the_plate_solved_directly_needs_operators_of_order_six(void **state)
   const double coarse = plate_directly(24, 4, 32), fourth = plate_directly(48, 4, 32);
   const double sixth = plate_directly(40, 6, 60);
   print_message(
-      "plate, fourth derivatives, N = 40: %.3e with n = 4 (order %.2f), %.3e with n = 6\n", fourth,
-      log2(coarse / fourth), sixth);
+      "plate, fourth derivatives: %.3e with n = 4 at N = 48 (order %.2f), %.3e with n = 6 "
+      "at N = 40\n",
+      fourth, log2(coarse / fourth), sixth);
   assert_true(fourth <= 4e-3 && log2(coarse / fourth) >= 1.7);
   assert_true(sixth <= 1e-5);
 }
