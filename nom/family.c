@@ -10,13 +10,13 @@
 /* ---- weights --------------------------------------------------------------------------------- */
 
 double sdr_family_plain_weight(const sdr_families *families, const sdr_family *family,
-                               double length)
+                               double spacing, double length)
 {
   /* A neighbour on the horizon itself stays one, and that shows in a weight above zero. */
   static const double least = 1e-12;
   const sdr_families_how *how = &families->how;
   double b = sdr_influence_at(how->influence, length / family->horizon);
-  if (how->partial_volume) b *= sdr_partial_volume(length, family->horizon, family->spacing);
+  if (how->partial_volume) b *= sdr_partial_volume(length, family->horizon, spacing);
   return b > least ? b : least;
 }
 
@@ -36,44 +36,53 @@ static double direction(const double xi[3], double n[3])
   return length;
 }
 
-double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
-                              const double xi[3])
+/* The correction of a full family along n. */
+static double bulk_correction(const sdr_families *families, const sdr_family *family,
+                              const double n[3])
 {
-  double n[3];
-  const double b = sdr_family_plain_weight(families, family, direction(xi, n));
   const int components = families->points->components;
   switch (families->how.correction) {
   case SDR_CORRECTION_ISO:
   case SDR_CORRECTION_SURFACE_ISO:
-    return b * sdr_iso_weight(components, family->lambda, n);
+    return sdr_iso_weight(components, family->lambda, n);
   case SDR_CORRECTION_MADENCI_OTERKUS:
-    return b * ellipsoid(components, family->axial, n);
+    return ellipsoid(components, family->axial, n);
   default:
-    return b;
+    return 1.0;
   }
+}
+
+double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
+                              const double xi[3])
+{
+  double n[3];
+  const double b = sdr_family_plain_weight(families, family, family->spacing, direction(xi, n));
+  return b * bulk_correction(families, family, n);
+}
+
+/* Of both points' own factors, the mean. */
+static double pair_correction(const sdr_families *families, int32_t i, int32_t j, const double n[3])
+{
+  const size_t components = (size_t)families->points->components;
+  const double *si = families->axial + components * (size_t)i;
+  const double *sj = families->axial + components * (size_t)j;
+  double mean[3] = {0.0};
+  for (size_t a = 0; a < components; ++a) mean[a] = 0.5 * (si[a] + sj[a]);
+  return ellipsoid((int)components, mean, n);
 }
 
 double sdr_families_weight(const void *context, int32_t i, int32_t j, const double xi[3])
 {
   const sdr_families *families = context;
+  const sdr_points *points = families->points;
   const sdr_family *family = sdr_family_of(families, i);
-  const int components = families->points->components;
   double n[3];
-  if (families->lambda) {
-    const double *lambda = families->lambda + SDR_MONOMIALS * (size_t)i;
-    const double b = sdr_family_plain_weight(families, family, direction(xi, n));
-    return b * (families->scale ? families->scale[i] : 1.0) * sdr_iso_weight(components, lambda, n);
-  }
-  if (families->axial) {
-    const size_t count = (size_t)components;
-    const double *si = families->axial + count * (size_t)i,
-                 *sj = families->axial + count * (size_t)j;
-    double mean[3] = {0.0};
-    for (int a = 0; a < components; ++a) mean[a] = 0.5 * (si[a] + sj[a]);
-    return sdr_family_plain_weight(families, family, direction(xi, n)) *
-           ellipsoid(components, mean, n);
-  }
-  return sdr_family_bond_weight(families, family, xi);
+  const double b = sdr_family_plain_weight(families, family, points->spacing[j], direction(xi, n));
+  if (families->axial) return b * pair_correction(families, i, j, n);
+  if (!families->lambda) return b * bulk_correction(families, family, n);
+  const double *lambda = families->lambda + SDR_MONOMIALS * (size_t)i;
+  return b * (families->scale ? families->scale[i] : 1.0) *
+         sdr_iso_weight(points->components, lambda, n);
 }
 
 /* ---- a lattice's full stencil ---------------------------------------------------------------- */

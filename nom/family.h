@@ -78,9 +78,10 @@ double sdr_families_weight(const void *families, int32_t i, int32_t j, const dou
 double sdr_family_bond_weight(const sdr_families *families, const sdr_family *family,
                               const double xi[3]);
 
-/* Influence function and partial volume of a bond of this length, without a correction. */
+/* Influence function and partial volume of a bond of this length to a point with this spacing,
+   without a correction. */
 double sdr_family_plain_weight(const sdr_families *families, const sdr_family *family,
-                               double length);
+                               double spacing, double length);
 
 /* The vector xi[3] of a stencil step at this spacing, along the points' lattice axes. */
 void sdr_stencil_vector(const sdr_points *points, double spacing, const int32_t step[3],

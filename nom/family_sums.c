@@ -38,7 +38,7 @@ sdr_family_sums sdr_sum_stencil(const sdr_families *families, const sdr_family *
     add_bond(&total, xi, family->volume,
              weighing == SDR_WEIGHED_FULL
                  ? sdr_family_bond_weight(families, family, xi)
-                 : sdr_family_plain_weight(families, family, length_of(xi)));
+                 : sdr_family_plain_weight(families, family, family->spacing, length_of(xi)));
   }
   return total;
 }
@@ -57,7 +57,7 @@ sdr_family_sums sdr_sum_neighbours(const sdr_families *families, const sdr_neigh
     add_bond(&total, xi, points->volume[j],
              weighing == SDR_WEIGHED_FULL
                  ? sdr_families_weight(families, i, j, xi)
-                 : sdr_family_plain_weight(families, family, length_of(xi)));
+                 : sdr_family_plain_weight(families, family, points->spacing[j], length_of(xi)));
   }
   return total;
 }

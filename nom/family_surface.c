@@ -82,7 +82,7 @@ static void add_halves(const sdr_families *families, int32_t i, int32_t j, doubl
     square += xi[a] * xi[a];
   }
   const double length = sqrt(square);
-  const double r = sdr_family_plain_weight(families, family, length) *
+  const double r = sdr_family_plain_weight(families, family, points->spacing[j], length) *
                    (families->how.state_based ? square : length) / promised(families, family);
   for (int a = 0; a < n; ++a) {
     const double share = xi[a] * xi[a] / square;

@@ -2,8 +2,10 @@
 
 #include "base/memory.h"
 #include "mechanics/bond_based.h"
+#include "mechanics/state_based.h"
 
 #include <gsl/gsl_rng.h>
+#include <math.h>
 
 /* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
    material, so that they do not depend on how points are stored. */
@@ -82,7 +84,7 @@ typedef struct {
   const sdr_points *points;
   const sdr_families *families;
   const double *young; /* Pa, a point */
-  double toughness[256];
+  double poisson[256], toughness[256];
 } parts;
 
 static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **out)
@@ -97,21 +99,49 @@ static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **
   return sdr_bond_based_create(p->points, bonds, p->families, &how, out);
 }
 
-/* Each takes the bonds over. */
-static sdr_status (*const makers[])(const parts *p, sdr_bonds *bonds,
-                                    sdr_model **out) = {[SDR_BOND_BASED] = make_bond_based};
+static sdr_state_based_how state_based_how(const parts *p)
+{
+  const sdr_scene *scene = p->scene;
+  return (sdr_state_based_how){.dimension = scene->dimension,
+                               .law = scene->damage.law,
+                               .ell = scene->damage.ell,
+                               .elasticity = scene->elasticity,
+                               .split = scene->split,
+                               .form = scene->form,
+                               .control_shear = scene->control_shear,
+                               .control_normal = scene->control_normal,
+                               .young = p->young,
+                               .poisson = p->poisson,
+                               .toughness = p->toughness};
+}
+
+static sdr_status make_ordinary(const parts *p, sdr_bonds *bonds, sdr_model **out)
+{
+  const sdr_state_based_how how = state_based_how(p);
+  return sdr_ordinary_create(p->points, bonds, &how, out);
+}
+
+/* Each takes the bonds over. NULL: not in this version. */
+typedef sdr_status (*maker)(const parts *p, sdr_bonds *bonds, sdr_model **out);
+static const maker makers[] = {
+    [SDR_BOND_BASED] = make_bond_based, [SDR_ORDINARY] = make_ordinary, [SDR_NONORDINARY] = NULL};
 
 sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
                            sdr_families **families, sdr_model **model)
 {
-  if (scene->model != SDR_BOND_BASED)
+  if (!makers[scene->model])
     return sdr_fail(SDR_BAD_INPUT,
-                    "%s: this model is not available in this version; available: bond_based",
+                    "%s: this model is not available in this version; available: bond_based, "
+                    "ordinary",
                     sdr_origin_text(scene->material[0].origin));
   sdr_bonds *bonds = NULL;
   SDR_TRY(make_bonds(scene, points, families, &bonds));
   parts p = {.scene = scene, .points = points, .families = *families};
-  for (int m = 0; m < scene->material_count; ++m) p.toughness[m] = scene->material[m].toughness;
+  for (int m = 0; m < scene->material_count; ++m) {
+    const sdr_material *material = &scene->material[m];
+    p.toughness[m] = material->toughness;
+    p.poisson[m] = isnan(material->poisson) ? 0.0 : material->poisson; /* a bar has no use for it */
+  }
   double *young = sdr_alloc(sdr_points_padded(points), sizeof *young);
   sdr_status status = young ? young_of_points(scene, points, young) : SDR_RUN_FAILED;
   p.young = young;
