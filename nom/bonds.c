@@ -13,6 +13,16 @@ static int one_horizon(const sdr_points *points)
   return 1;
 }
 
+/* Which points runs may join: those of a body with layers that have a family, so that all pairs of
+   a run have both weights. */
+static uint8_t *with_family(const sdr_points *points, const uint8_t *bulk)
+{
+  uint8_t *mask = sdr_alloc(sdr_points_padded(points), 1);
+  for (int32_t i = 0; mask && i < points->count; ++i)
+    mask[i] = sdr_has_family(points, i) && (!bulk || bulk[i]);
+  return mask;
+}
+
 sdr_status sdr_bonds_create(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds **out)
 {
   sdr_bonds *bonds = sdr_alloc(1, sizeof *bonds);
@@ -24,9 +34,14 @@ sdr_status sdr_bonds_create(const sdr_points *points, const sdr_bonds_how *how, 
     /* A lattice has the same neighbours everywhere only if it has one horizon. */
     const int runs = points->row_count > 0 && !how->force_loose && one_horizon(points);
     bonds->one_sided = how->one_sided;
-    if (runs) status = sdr_lattice_runs(points, how, bonds);
-    if (status == SDR_OK && (!runs || how->bulk))
-      status = sdr_loose_pairs(points, how, runs ? how->bulk : NULL, bonds);
+    sdr_bonds_how layered = *how;
+    uint8_t *mask = points->layer && runs ? with_family(points, how->bulk) : NULL;
+    if (points->layer && runs && !mask) status = SDR_RUN_FAILED;
+    if (mask) layered.bulk = mask;
+    if (status == SDR_OK && runs) status = sdr_lattice_runs(points, &layered, bonds);
+    if (status == SDR_OK && (!runs || layered.bulk))
+      status = sdr_loose_pairs(points, how, runs ? layered.bulk : NULL, bonds);
+    sdr_free(mask);
   }
   if (status == SDR_OK && bonds->pairs == 0)
     status = sdr_fail(SDR_BAD_INPUT, "no two points are within a horizon of each other, so the "

@@ -9,7 +9,6 @@
 #include "time/stable_step.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,6 +38,7 @@ static sdr_status check_place(const sdr_built *built, const sdr_place *place, co
   const sdr_points *points = built->points;
   for (int32_t i = 0; i < points->count; ++i) {
     double x[3] = {0.0};
+    if (!sdr_in_body(points, i)) continue;
     for (int a = 0; a < points->components; ++a) x[a] = points->x[a][i];
     if (sdr_place_holds(built->scene, place, x, points->spacing[i], points->spacing[i]))
       return SDR_OK;
@@ -87,7 +87,9 @@ static sdr_status make_system(sdr_built *built)
   for (int m = 0; m < scene->material_count; ++m) density[m] = scene->material[m].density;
   SDR_TRY(sdr_loads_create(scene, built->points, &built->loads));
   SDR_TRY(sdr_supports_create(scene, built->points, &built->supports));
-  return sdr_system_create(built->model, density, built->loads, built->supports, &built->system);
+  SDR_TRY(sdr_layers_create(scene, built->points, &built->layers));
+  SDR_TRY(sdr_system_create(built->model, density, built->loads, built->supports, &built->system));
+  return sdr_system_attach(built->system, built->layers);
 }
 
 /* Set the point's value of `field` where the scene gives one. */
@@ -110,6 +112,7 @@ static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
   int32_t met = 0;
   for (int32_t i = 0; i < system->count; ++i) {
     double x[3] = {0.0};
+    if (!sdr_in_body(built->points, i)) continue;
     for (int a = 0; a < system->components; ++a) x[a] = built->points->x[a][i];
     const double spacing = built->points->spacing[i];
     if (!sdr_place_holds(built->scene, &initial->on, x, spacing, spacing)) continue;
@@ -122,17 +125,6 @@ static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
                     sdr_origin_text(initial->origin),
                     initial->velocity ? "velocity" : "displacement", initial->on.text);
   return SDR_OK;
-}
-
-/* Add to what the user should know before the run. */
-SDR_PRINTF(2, 3) static void warn(sdr_built *built, const char *format, ...)
-{
-  const size_t used = strlen(built->warning), room = sizeof built->warning - used;
-  const int written = snprintf(built->warning + used, room, "%s", used ? "; " : "");
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(built->warning + used + written, room - (size_t)written, format, arguments);
-  va_end(arguments);
 }
 
 static sdr_status choose_step(sdr_built *built)
@@ -154,8 +146,9 @@ static sdr_status choose_step(sdr_built *built)
                     "`auto` (%.4g us), or time.allow_unstable: true to try",
                     sdr_origin_text(time->step_origin), built->step * 1e6, built->stable_step * 1e6,
                     time->safety * built->stable_step * 1e6);
-  warn(built, "the step %.4g us is above the stability limit %.4g us (time.allow_unstable)",
-       built->step * 1e6, built->stable_step * 1e6);
+  snprintf(built->warning, sizeof built->warning,
+           "the step %.4g us is above the stability limit %.4g us (time.allow_unstable)",
+           built->step * 1e6, built->stable_step * 1e6);
   return SDR_OK;
 }
 
@@ -174,9 +167,8 @@ static void list_skipped(sdr_built *built)
   skip(built, built->traits.shared_moduli, "moduli per point: all points share theirs");
   skip(built, built->points->components < 3,
        built->points->components < 2 ? "second and third components: 1-D" : "third component: 2-D");
-  const int all_runs = built->bonds->loose_pairs == 0;
-  skip(built, all_runs, "index lists: bonds are runs of a lattice");
-  skip(built, all_runs, "neighbourhood: bonds come from lattice rows");
+  skip(built, built->bonds->run_count > 0, "index lists: bonds are runs of a lattice");
+  skip(built, built->bonds->run_count > 0, "neighbourhood: bonds come from lattice rows");
   skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
   skip(built, 1, "Jacobian: explicit integrator");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
@@ -203,8 +195,6 @@ static sdr_status build_parts(sdr_built *built)
   built->integrator = sdr_integrator_find(built->scene->time.integrator);
   if (!built->integrator)
     return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
-  if (built->scene->one_sided)
-    warn(built, "family.dual is false: a point feels its own family only, so momentum is not kept");
   SDR_TRY(choose_step(built));
   choose_onset(built);
   list_skipped(built);
@@ -229,6 +219,7 @@ sdr_status sdr_build(const char *path, const char *variant, int set_count, const
 void sdr_built_destroy(sdr_built *built)
 {
   sdr_system_destroy(&built->system);
+  sdr_layers_destroy(&built->layers);
   sdr_supports_destroy(&built->supports);
   sdr_loads_destroy(&built->loads);
   if (built->model) built->model->ops->destroy(built->model);

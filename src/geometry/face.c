@@ -364,6 +364,46 @@ sdr_status sdr_face_pieces(const sdr_shape *shape, const char *name, sdr_dimensi
   return SDR_OK;
 }
 
+static void box_plane(const face *of, double x[3], double normal[3])
+{
+  const sdr_shape *box = of->shape;
+  const int across = of->index / 2, high = of->index % 2;
+  double local[3];
+  for (int c = 0; c < 3; ++c) local[c] = 0.5 * (box->low[c] + box->high[c]);
+  local[across] = high ? box->high[across] : box->low[across];
+  sdr_box_to_space(box, local, x);
+  normal[0] = normal[1] = normal[2] = 0.0;
+  const double sign = high ? 1.0 : -1.0;
+  if (across == 2 || box->angle == 0.0) {
+    normal[across] = sign;
+    return;
+  }
+  normal[across] = sign * cos(box->angle);
+  normal[1 - across] = (across == 0 ? sign : -sign) * sin(box->angle);
+}
+
+static void end_plane(const face *of, double x[3], double normal[3])
+{
+  const sdr_shape *shape = of->shape;
+  const int top = of->index == ROUND_TOP;
+  for (int c = 0; c < 2; ++c) x[c] = shape->centre[c];
+  x[2] = top ? shape->high[2] : shape->low[2];
+  normal[0] = normal[1] = 0.0;
+  normal[2] = top ? 1.0 : -1.0;
+}
+
+int sdr_face_plane(const sdr_shape *shape, const char *name, double x[3], double normal[3])
+{
+  face of;
+  if (!shape || find_face(shape, name, 0, &of) != 1) return 0;
+  const int end =
+      of.shape->kind == SDR_CYLINDER && (of.index == ROUND_BOTTOM || of.index == ROUND_TOP);
+  if (of.shape->kind != SDR_BOX && !end) return 0;
+  (end ? end_plane : box_plane)(&of, x, normal);
+  for (int c = 0; of.flip && c < 3; ++c) normal[c] = 0.0 - normal[c];
+  return 1;
+}
+
 /* Distance from the annulus inner <= r <= outer at height z = 0, seen from radius r and height z;
    a side has inner = outer and reaches from z = low to high. */
 static double round_distance(double r, double z, double inner, double outer, double low,

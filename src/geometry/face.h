@@ -39,6 +39,11 @@ typedef void (*sdr_piece_visitor)(void *context, const sdr_piece *piece);
 sdr_status sdr_face_pieces(const sdr_shape *shape, const char *face, sdr_dimension dimension,
                            double size, sdr_piece_visitor visit, void *context);
 
+/* The plane of a flat face (of a box, an end of a cylinder): a place x[3] on it (m) and its unit
+   normal out of the body. 0, and nothing written, if the face is round or of several planes, or
+   there is none. */
+int sdr_face_plane(const sdr_shape *shape, const char *face, double x[3], double normal[3]);
+
 /* Distance of x[3] from the face, m, whole as its primitive has it; INFINITY if there is none. */
 double sdr_face_distance(const sdr_shape *shape, const char *face, sdr_dimension dimension,
                          const double x[3]);

@@ -1,6 +1,7 @@
 #include "geometry/lattice.h"
 
 #include "base/memory.h"
+#include "geometry/layer_points.h"
 #include "geometry/place.h"
 #include "geometry/point_values.h"
 #include "geometry/shape.h"
@@ -338,6 +339,7 @@ sdr_status sdr_lattice_points(const sdr_scene *scene, sdr_points **out)
   if (status == SDR_OK) status = create_points(&fill, &s);
   if (status == SDR_OK) status = sdr_points_set_horizon(scene, fill.points);
   if (status == SDR_OK) status = sdr_points_set_material(scene, fill.points);
+  if (status == SDR_OK) status = sdr_layer_points(scene, &fill.points);
   if (status == SDR_OK) {
     *out = fill.points;
   } else {

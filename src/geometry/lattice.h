@@ -16,6 +16,8 @@
    up to jitter times its own spacing, drawn in the order of generation (gsl_rng_mt19937); points
    may so leave the shape a little. Refined or jittered points are no lattice (cell stays NULL).
 
+   The points of fictitious layers follow those of the body (layer_points.h).
+
    SDR_BAD_INPUT with the origin: no point, too many, a horizon below the spacing, a refined spacing
    that is no halving, a material without points, an unbounded shape. Owner of *out: the caller. */
 sdr_status sdr_lattice_points(const sdr_scene *scene, sdr_points **out);

@@ -54,7 +54,7 @@ static int32_t cell_of(const sdr_point_grid *grid, int32_t i)
   return at[0] + grid->cells[0] * (at[1] + grid->cells[1] * at[2]);
 }
 
-sdr_status sdr_point_grid_create(const sdr_points *points, sdr_point_grid **out)
+static sdr_status create(const sdr_points *points, int all, sdr_point_grid **out)
 {
   sdr_point_grid *grid = sdr_alloc(1, sizeof *grid);
   if (!grid) return SDR_RUN_FAILED;
@@ -67,11 +67,23 @@ sdr_status sdr_point_grid_create(const sdr_points *points, sdr_point_grid **out)
     sdr_point_grid_destroy(&grid);
     return SDR_RUN_FAILED;
   }
-  for (int32_t i = 0; i < points->count; ++i) ++grid->first[cell_of(grid, i)];
+  for (int32_t i = 0; i < points->count; ++i)
+    if (all || sdr_in_body(points, i)) ++grid->first[cell_of(grid, i)];
   for (int32_t k = 0; k < cells; ++k) grid->first[k + 1] += grid->first[k];
-  for (int32_t i = points->count - 1; i >= 0; --i) grid->list[--grid->first[cell_of(grid, i)]] = i;
+  for (int32_t i = points->count - 1; i >= 0; --i)
+    if (all || sdr_in_body(points, i)) grid->list[--grid->first[cell_of(grid, i)]] = i;
   *out = grid;
   return SDR_OK;
+}
+
+sdr_status sdr_point_grid_create(const sdr_points *points, sdr_point_grid **out)
+{
+  return create(points, 0, out);
+}
+
+sdr_status sdr_point_grid_create_all(const sdr_points *points, sdr_point_grid **out)
+{
+  return create(points, 1, out);
 }
 
 void sdr_point_grid_destroy(sdr_point_grid **grid)

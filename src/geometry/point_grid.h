@@ -6,8 +6,10 @@
 
 typedef struct sdr_point_grid sdr_point_grid;
 
-/* Sort the points into cells as wide as the largest spacing. Borrows points. Owner: the caller. */
+/* Sort the points of the body, or those of layers outside it as well, into cells as wide as the
+   largest spacing. Borrows points. Owner: the caller. */
 sdr_status sdr_point_grid_create(const sdr_points *points, sdr_point_grid **out);
+sdr_status sdr_point_grid_create_all(const sdr_points *points, sdr_point_grid **out);
 void sdr_point_grid_destroy(sdr_point_grid **grid); /* NULL-safe */
 
 typedef void (*sdr_point_visitor)(void *context, int32_t point, double distance);

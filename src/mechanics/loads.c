@@ -249,6 +249,7 @@ static sdr_status spread_body_force(spreader *s)
   const sdr_points *points = s->points;
   for (int32_t i = 0; i < points->count; ++i) {
     double x[3];
+    if (!sdr_in_body(points, i)) continue;
     place_of(points, i, x);
     const double h = points->spacing[i], volume = points->volume[i];
     if (!sdr_place_holds(s->scene, &s->term->load->on, x, h, h)) continue;
@@ -329,7 +330,7 @@ static sdr_status spread_all(sdr_loads *loads, spreader *s)
     t->load = &s->scene->load[k];
     t->how = how_to_evaluate(t->load, loads->components);
     s->term = t;
-    SDR_TRY(spread(s));
+    if (!t->load->layer) SDR_TRY(spread(s)); /* layers: mechanics/layers.h */
   }
   return number_slots(loads, s->points, s->merged);
 }

@@ -46,8 +46,10 @@ static sdr_status add_support(sdr_supports *supports, int index)
   const sdr_support *support = &supports->scene->support[index];
   const sdr_points *points = supports->points;
   int32_t met = 0;
+  if (support->layer) return SDR_OK; /* mechanics/layers.h */
   for (int32_t i = 0; i < points->count; ++i) {
     double x[3];
+    if (!sdr_in_body(points, i)) continue;
     place_of(points, i, x);
     const double h = points->spacing[i];
     const double depth = support->depth.value * (support->depth.relative ? h : 1.0);

@@ -51,6 +51,18 @@ sdr_status sdr_system_create(sdr_model *model, const double *density, sdr_loads 
   return SDR_OK;
 }
 
+sdr_status sdr_system_attach(sdr_system *system, sdr_layers *layers)
+{
+  if (!layers) return SDR_OK;
+  const size_t n = (size_t)system->components;
+  system->layers = layers;
+  system->layer_u = sdr_alloc(n * (size_t)sdr_layers_count(layers), sizeof(double));
+  const size_t touched = n * (size_t)sdr_layers_touched_count(layers);
+  system->layer_pull = sdr_alloc(touched, sizeof(double));
+  system->layer_scratch = sdr_alloc(touched, sizeof(double));
+  return system->layer_u && system->layer_pull && system->layer_scratch ? SDR_OK : SDR_RUN_FAILED;
+}
+
 void sdr_system_destroy(sdr_system **system)
 {
   sdr_system *s = *system;
@@ -65,6 +77,9 @@ void sdr_system_destroy(sdr_system **system)
   sdr_free(s->reaction);
   sdr_free(s->motion);
   sdr_free(s->next_motion);
+  sdr_free(s->layer_u);
+  sdr_free(s->layer_pull);
+  sdr_free(s->layer_scratch);
   sdr_free(s);
   *system = NULL;
 }
@@ -147,6 +162,45 @@ static sdr_status hold_supports(sdr_system *system, double dt, double dt_next, d
   return SDR_OK;
 }
 
+/* Bring the layers' points to the present time; their velocity is that of the step of length dt, at
+   the start that of the points they follow. */
+static sdr_status follow_layers(sdr_system *system, double dt)
+{
+  const int32_t count = sdr_layers_count(system->layers);
+  const int32_t *points = sdr_layers_points(system->layers);
+  SDR_TRY(sdr_layers_values(system->layers, system->time));
+  sdr_layers_follow(system->layers, system->u);
+  if (!(dt > 0.0)) sdr_layers_extend(system->layers, SDR_LAYER_MOTION, system->v);
+  for (int32_t k = 0; k < count; ++k)
+    for (int a = 0; a < system->components; ++a) {
+      double *const before = &system->layer_u[k * system->components + a];
+      const double now = system->u[a][points[k]];
+      if (dt > 0.0) system->v[a][points[k]] = (now - *before) / dt;
+      *before = now;
+    }
+  return SDR_OK;
+}
+
+/* Forces on layers go to the points they act on. What that takes and gives comes from outside: it
+   is booked like a load on every point that it changes. */
+static void pull_layers(sdr_system *system, double dt)
+{
+  const int32_t count = sdr_layers_touched_count(system->layers), n = system->components;
+  const int32_t *touched = sdr_layers_touched(system->layers);
+  double *const pull = system->layer_pull, *const own = system->layer_scratch;
+  for (int32_t k = 0; k < count; ++k)
+    for (int a = 0; a < n; ++a) own[k * n + a] = system->f[a][touched[k]];
+  sdr_layers_pull(system->layers, system->f);
+  for (int32_t k = 0; k < count; ++k) {
+    double before[3] = {0.0}, now[3] = {0.0};
+    for (int a = 0; a < n; ++a) {
+      before[a] = pull[k * n + a];
+      now[a] = pull[k * n + a] = system->f[a][touched[k]] - own[k * n + a];
+    }
+    if (dt > 0.0) book(system, touched[k], before, now, dt);
+  }
+}
+
 sdr_status sdr_system_start(sdr_system *system, double dt)
 {
   const int32_t count = sdr_supports_count(system->supports);
@@ -170,7 +224,9 @@ sdr_status sdr_system_start(sdr_system *system, double dt)
 
 sdr_status sdr_system_force(sdr_system *system, double dt, double dt_next, double kick)
 {
+  if (system->layers) SDR_TRY(follow_layers(system, dt));
   system->model->ops->force_commit(system->model, system->u, system->v, dt, system->f);
+  if (system->layers) pull_layers(system, dt);
   SDR_TRY(add_loads(system, dt));
   return hold_supports(system, dt, dt_next, kick);
 }
@@ -184,6 +240,13 @@ void sdr_system_state(sdr_system *system, sdr_state_block *blocks, int *count)
   blocks[n++] = (sdr_state_block){"reaction", system->reaction, held};
   for (int a = 0; a < system->components; ++a)
     blocks[n++] = (sdr_state_block){names[a], system->load_before[a], loaded};
+  if (system->layers) {
+    const size_t each = (size_t)system->components * sizeof(double);
+    blocks[n++] = (sdr_state_block){"layer_u", system->layer_u,
+                                    each * (size_t)sdr_layers_count(system->layers)};
+    blocks[n++] = (sdr_state_block){"layer_pull", system->layer_pull,
+                                    each * (size_t)sdr_layers_touched_count(system->layers)};
+  }
   *count = n;
 }
 
@@ -210,6 +273,7 @@ static void balance_of_stripe(void *context, int s)
   for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i) {
     double v[3] = {0.0}, x[3] = {0.0}, vv = 0.0, xx = 0.0;
     const double m = system->mass[i];
+    if (!sdr_in_body(points, i)) continue;
     velocity_now(system, i, v);
     for (int a = 0; a < system->components; ++a) {
       x[a] = points->x[a][i] + system->u[a][i];

@@ -3,9 +3,24 @@
 #ifndef SDR_MECHANICS_SYSTEM_H
 #define SDR_MECHANICS_SYSTEM_H
 
+#include "mechanics/layers.h"
 #include "mechanics/loads.h"
 #include "mechanics/model.h"
 #include "mechanics/supports.h"
+
+/* How a system of linear equations was solved last (name NULL: none was). */
+typedef struct {
+  const char *name;        /* of the linear solver */
+  int64_t unknowns;        /* free components */
+  int64_t nonzeros;        /* of the matrix */
+  double assemble_seconds; /* wall time */
+  double factor_seconds;   /* order and factor, or preconditioner */
+  double solve_seconds;
+  double bytes;        /* the solver's at most */
+  int64_t iterations;  /* 0: direct */
+  double residual;     /* |K u - f| at the free components over |f - K a| */
+  double nonlinearity; /* |K u - (forces of the bent body)| over |K u| */
+} sdr_solve_record;
 
 typedef struct {
   int32_t count;
@@ -18,9 +33,13 @@ typedef struct {
   int64_t step;
   double velocity_offset; /* s; leapfrog: minus half a step */
 
+  char solver[16]; /* linear solver for those who need one (linalg/solver.h); "": auto */
+  sdr_solve_record solve;
+
   sdr_model *model;
   sdr_loads *loads;
   sdr_supports *supports;
+  sdr_layers *layers; /* NULL: none */
 
   /* Sums since t = 0, of loads and supports. */
   double external_work;      /* J */
@@ -31,6 +50,9 @@ typedef struct {
      two times (scratch). Of each loaded point: force one step ago, N. */
   double *reaction, *motion, *next_motion;
   double *load_before[3];
+  /* Components of a point together: of each layer point its displacement; of each point that the
+     layers touch what they pulled with, N, and scratch. */
+  double *layer_u, *layer_pull, *layer_scratch;
 } sdr_system;
 
 /* Energies and momenta of the present state, velocities brought to its time. */
@@ -45,15 +67,19 @@ typedef struct {
    borrows model, loads and supports. u = v = 0, f unset. Owner: the caller. */
 sdr_status sdr_system_create(sdr_model *model, const double *density, sdr_loads *loads,
                              sdr_supports *supports, sdr_system **out);
+/* Let the points of fictitious layers follow those of the body from now on. Borrows the layers
+   (NULL: none). */
+sdr_status sdr_system_attach(sdr_system *system, sdr_layers *layers);
 void sdr_system_destroy(sdr_system **system); /* NULL-safe */
 
 /* Give prescribed components their motion at t = 0, for a first step of length dt. */
 sdr_status sdr_system_start(sdr_system *system, double dt);
 
-/* Force at the present u and time: the model's (history committed; dt is the length of the step
-   that led here, 0 at the start), the loads', and what keeps prescribed components on their way:
-   their force is mass (w - v)/kick, w the velocity prescribed for the next step of length dt_next.
-   Books the work and impulse of the step as the trapezoid that leapfrog satisfies exactly. */
+/* Force at the present u and time; points of layers are brought there first. The model's (history
+   committed; dt is the length of the step that led here, 0 at the start), the loads', and what
+   keeps prescribed components on their way: their force is mass (w - v)/kick, w the velocity
+   prescribed for the next step of length dt_next. Books the work and impulse of the step as the
+   trapezoid that leapfrog satisfies exactly. */
 sdr_status sdr_system_force(sdr_system *system, double dt, double dt_next, double kick);
 
 void sdr_system_balance(sdr_system *system, sdr_balance *out);

@@ -138,7 +138,7 @@ static double sum_reaction(const column *c, const sdr_system *system)
 {
   const int32_t count = sdr_supports_count(system->supports);
   const sdr_prescribed *list = sdr_supports_list(system->supports);
-  double sum = 0.0;
+  double sum = system->layers ? sdr_layers_reaction(system->layers, c->support, c->part) : 0.0;
   for (int32_t k = 0; k < count; ++k)
     if (list[k].support == c->support && list[k].component == c->part) sum += system->reaction[k];
   return sum;

@@ -12,8 +12,8 @@ enum { MOST = 80, ENOUGH = 16 };
 typedef struct {
   sdr_system *system;
   size_t padded;
-  double *root;                            /* 1/sqrt(mass) */
-  double *now, *before, *product, *scaled; /* components * padded each */
+  double *root;                                   /* 1/sqrt(mass) */
+  double *now, *before, *product, *scaled, *back; /* components * padded each */
 } lanczos;
 
 static void components_of(const lanczos *l, double *vector, double *parts[3])
@@ -31,6 +31,26 @@ static double dot(const lanczos *l, const double *x, const double *y)
   return sum;
 }
 
+/* out = K v, K the stiffness of the body's points with their layers; its symmetric part if the
+   layers' forces do not act back on what moves them. */
+static void stiffness_times(const lanczos *l, double *const v[3], double *const out[3])
+{
+  sdr_system *system = l->system;
+  const sdr_layers *layers = system->layers;
+  if (layers) sdr_layers_extend(layers, SDR_LAYER_MOTION, v);
+  system->model->ops->reference_times(system->model, v, out);
+  if (!layers) return;
+  sdr_layers_gather(layers, SDR_LAYER_FORCE, out);
+  if (sdr_layers_symmetric(layers)) return;
+  double *back[3];
+  components_of(l, l->back, back);
+  sdr_layers_extend(layers, SDR_LAYER_FORCE, v);
+  system->model->ops->reference_times(system->model, v, back);
+  sdr_layers_gather(layers, SDR_LAYER_MOTION, back);
+  for (int a = 0; a < system->components; ++a)
+    for (int32_t i = 0; i < system->count; ++i) out[a][i] = 0.5 * (out[a][i] + back[a][i]);
+}
+
 /* product = M^-1/2 K M^-1/2 now */
 static void apply(const lanczos *l)
 {
@@ -40,7 +60,7 @@ static void apply(const lanczos *l)
   for (int a = 0; a < l->system->components; ++a)
     for (int32_t i = 0; i < l->system->count; ++i)
       v[a][i] = l->root[i] * l->now[(size_t)a * l->padded + (size_t)i];
-  l->system->model->ops->reference_times(l->system->model, v, out);
+  stiffness_times(l, v, out);
   for (int a = 0; a < l->system->components; ++a)
     for (int32_t i = 0; i < l->system->count; ++i) out[a][i] *= l->root[i];
 }
@@ -127,9 +147,11 @@ sdr_status sdr_stable_step(sdr_system *system, double *limit)
   l.before = sdr_alloc(size, sizeof(double));
   l.product = sdr_alloc(size, sizeof(double));
   l.scaled = sdr_alloc(size, sizeof(double));
+  l.back = sdr_alloc(size, sizeof(double));
   sdr_status status = SDR_RUN_FAILED;
-  if (l.root && l.now && l.before && l.product && l.scaled) {
-    for (int32_t i = 0; i < system->count; ++i) l.root[i] = 1.0 / sqrt(system->mass[i]);
+  if (l.root && l.now && l.before && l.product && l.scaled && l.back) {
+    for (int32_t i = 0; i < system->count; ++i)
+      l.root[i] = sdr_in_body(system->model->points, i) ? 1.0 / sqrt(system->mass[i]) : 0.0;
     double largest;
     status = largest_eigenvalue(&l, &largest);
     if (status == SDR_OK) *limit = 2.0 / sqrt(largest);
@@ -139,5 +161,6 @@ sdr_status sdr_stable_step(sdr_system *system, double *limit)
   sdr_free(l.before);
   sdr_free(l.product);
   sdr_free(l.scaled);
+  sdr_free(l.back);
   return status;
 }
