@@ -9,6 +9,7 @@
 #include "time/stable_step.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -127,6 +128,17 @@ static sdr_status set_initial(sdr_built *built, const sdr_initial *initial)
   return SDR_OK;
 }
 
+/* Add to what the user should know before the run. */
+SDR_PRINTF(2, 3) static void warn(sdr_built *built, const char *format, ...)
+{
+  const size_t used = strlen(built->warning), room = sizeof built->warning - used;
+  const int written = snprintf(built->warning + used, room, "%s", used ? "; " : "");
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(built->warning + used + written, room - (size_t)written, format, arguments);
+  va_end(arguments);
+}
+
 static sdr_status choose_step(sdr_built *built)
 {
   const sdr_time_scene *time = &built->scene->time;
@@ -146,9 +158,8 @@ static sdr_status choose_step(sdr_built *built)
                     "`auto` (%.4g us), or time.allow_unstable: true to try",
                     sdr_origin_text(time->step_origin), built->step * 1e6, built->stable_step * 1e6,
                     time->safety * built->stable_step * 1e6);
-  snprintf(built->warning, sizeof built->warning,
-           "the step %.4g us is above the stability limit %.4g us (time.allow_unstable)",
-           built->step * 1e6, built->stable_step * 1e6);
+  warn(built, "the step %.4g us is above the stability limit %.4g us (time.allow_unstable)",
+       built->step * 1e6, built->stable_step * 1e6);
   return SDR_OK;
 }
 
@@ -167,8 +178,9 @@ static void list_skipped(sdr_built *built)
   skip(built, built->traits.shared_moduli, "moduli per point: all points share theirs");
   skip(built, built->points->components < 3,
        built->points->components < 2 ? "second and third components: 1-D" : "third component: 2-D");
-  skip(built, built->bonds->run_count > 0, "index lists: bonds are runs of a lattice");
-  skip(built, built->bonds->run_count > 0, "neighbourhood: bonds come from lattice rows");
+  const int all_runs = built->bonds->loose_pairs == 0;
+  skip(built, all_runs, "index lists: bonds are runs of a lattice");
+  skip(built, all_runs, "neighbourhood: bonds come from lattice rows");
   skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
   skip(built, 1, "Jacobian: explicit integrator");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
@@ -195,6 +207,8 @@ static sdr_status build_parts(sdr_built *built)
   built->integrator = sdr_integrator_find(built->scene->time.integrator);
   if (!built->integrator)
     return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
+  if (built->scene->one_sided)
+    warn(built, "family.dual is false: a point feels its own family only, so momentum is not kept");
   SDR_TRY(choose_step(built));
   choose_onset(built);
   list_skipped(built);
