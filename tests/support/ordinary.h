@@ -115,13 +115,14 @@ typedef struct {
   long double y[3], length, l, e, weight;
 } plain_bond;
 
-static inline plain_bond plain_bond_at(const plain *r, double *const u[3], int32_t i, int32_t j)
+static inline plain_bond plain_any_bond(const plain *r, double *const u[3], int32_t i, int32_t j)
 {
   const sdr_points *points = r->body->points;
   const size_t slot = (size_t)i * (size_t)points->count + (size_t)j;
   plain_bond b = {.weight = 0.0L};
   double xi[3] = {0.0}, square = 0.0;
-  if (i == j || r->mark[slot] == SDR_CUT || r->lost[slot]) return b;
+  if (i == j || r->mark[slot] == SDR_CUT || fabs(points->x[0][j] - points->x[0][i]) > r->farthest)
+    return b;
   for (int a = 0; a < points->components; ++a) {
     xi[a] = points->x[a][j] - points->x[a][i];
     square += xi[a] * xi[a];
@@ -143,10 +144,16 @@ static inline plain_bond plain_bond_at(const plain *r, double *const u[3], int32
   return b;
 }
 
+static inline plain_bond plain_bond_at(const plain *r, double *const u[3], int32_t i, int32_t j)
+{
+  const int lost = r->lost[(size_t)i * (size_t)r->body->points->count + (size_t)j];
+  return lost ? (plain_bond){.weight = 0.0L} : plain_any_bond(r, u, i, j);
+}
+
 /* What a point's energy needs. The forms differ in these sums only: theta and the energy without
    1/2 K theta^2, and their derivatives by the extension of a bond, over its weight. */
 typedef struct {
-  long double m, theta, shape, bulk, shear, n, b, d, delta;
+  long double m, left, theta, shape, bulk, shear, n, b, d, delta; /* left: m of the bonds left */
   int printed;
 } plain_point;
 
@@ -165,11 +172,13 @@ static inline plain_point plain_point_at(const plain *r, double *const u[3], int
   p.d = 2.0L / (pi * p.delta * p.delta * p.delta); /* thickness 1 m */
   p.b = 6.0L * p.shear / (pi * p.delta * p.delta * p.delta * p.delta);
   for (int32_t j = 0; j < points->count; ++j) {
-    const plain_bond at = plain_bond_at(r, u, i, j);
+    const plain_bond any = plain_any_bond(r, u, i, j), at = plain_bond_at(r, u, i, j);
+    if (any.weight > 0.0L) p.m += 0.1L * any.weight * any.length * any.length;
     if (!(at.weight > 0.0L)) continue;
-    p.m += at.weight * at.length * at.length;
+    p.left += at.weight * at.length * at.length;
     p.theta += at.weight * (p.printed ? p.d * p.delta * at.e / at.length : at.length * at.e);
   }
+  if (p.left > p.m) p.m = p.left; /* not below a tenth of the whole */
   if (!p.printed) p.theta *= p.m > 0.0L ? p.n / p.m : 0.0L;
   for (int32_t j = 0; j < points->count; ++j) {
     const plain_bond at = plain_bond_at(r, u, i, j);
@@ -191,8 +200,10 @@ static inline void plain_slopes(const plain_point *p, const plain_bond *at, long
     *shape = 2.0L * p->b * p->delta * at->e / at->length - 2.0L * p->shear * p->theta * *theta;
     return;
   }
+  const long double alpha = p->n * (p->n + 2.0L) * p->shear / p->m;
   *theta = p->n / p->m * at->length;
-  *shape = p->n * (p->n + 2.0L) * p->shear / p->m * (at->e - p->theta * at->length / p->n);
+  *shape = alpha * (at->e - p->theta * at->length / p->n) -
+           alpha * p->theta * (p->m - p->left) / (p->n * p->n) * *theta;
 }
 
 /* Force (N) and stored and dissipated energies (J) at u; history max(committed, present). */

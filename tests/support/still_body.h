@@ -15,14 +15,20 @@ typedef struct {
 
 static const double still_density[2] = {2500.0, 4000.0}; /* kg/m^3, of both materials */
 
-static inline void still_create(const body_how *how, still_body *s)
+/* Takes the body over. */
+static inline void still_of(body b, still_body *s)
 {
-  *s = (still_body){.body = body_create(how)};
-  s->scene.dimension = how->dimension;
+  *s = (still_body){.body = b};
+  s->scene.dimension = b.how.dimension;
   assert_int_equal(sdr_loads_create(&s->scene, s->body.points, &s->loads), SDR_OK);
   assert_int_equal(sdr_supports_create(&s->scene, s->body.points, &s->supports), SDR_OK);
   assert_int_equal(
       sdr_system_create(s->body.model, still_density, s->loads, s->supports, &s->system), SDR_OK);
+}
+
+static inline void still_create(const body_how *how, still_body *s)
+{
+  still_of(body_create(how), s);
 }
 
 static inline void still_destroy(still_body *s)
