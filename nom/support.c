@@ -272,6 +272,7 @@ static sdr_status run_search(search *s, double size, sdr_support *made)
   sdr_parallel_for(0, blocks, 1, search_block, s);
   status = check_apart(s->cloud, made);
 cleanup:
+  s->cells = NULL;
   sdr_cells_destroy(&cells);
   return status;
 }

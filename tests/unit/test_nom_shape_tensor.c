@@ -246,12 +246,14 @@ static void no_memory_leaves_nothing_behind(void **state)
   grid_create(2, 6, 0.2, 1.0, &g);
   assert_int_equal(sdr_support_by_count(&g.cloud, 3, &s), SDR_OK);
   const size_t before = sdr_memory_now();
+  const int threads = sdr_threads();
   sdr_set_threads(1);
   sdr_memory_fail_after(3);
   assert_int_equal(sdr_shape_tensors_create(&s, &how, &shape), SDR_RUN_FAILED);
   sdr_memory_fail_after(4);
   assert_int_equal(sdr_shape_tensors_create(&s, &how, &shape), SDR_RUN_FAILED);
   sdr_memory_fail_after(-1);
+  sdr_set_threads(threads);
   assert_string_equal(sdr_error_message(), "out of memory for shape tensors");
   assert_int_equal(sdr_memory_now(), before);
   sdr_support_destroy(&s);
