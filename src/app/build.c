@@ -139,8 +139,26 @@ SDR_PRINTF(2, 3) static void warn(sdr_built *built, const char *format, ...)
   va_end(arguments);
 }
 
+/* One step, as long as the run. */
+static void choose_static(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
+  built->stable_step = (double)NAN;
+  built->step = scene->time.end;
+  built->steps = 1;
+  snprintf(built->system->solver, sizeof built->system->solver, "%s", scene->time.solver);
+  if (!isnan(scene->time.step)) warn(built, "time.step does not matter to a static solution");
+  if (scene->model == SDR_NONORDINARY && scene->elasticity != SDR_LINEAR)
+    warn(built, "the static solution is linear: finite strain (material.elasticity) acts only "
+                "through its stiffness at rest");
+}
+
 static sdr_status choose_step(sdr_built *built)
 {
+  if (built->integrator->is_static) {
+    choose_static(built);
+    return SDR_OK;
+  }
   const sdr_time_scene *time = &built->scene->time;
   SDR_TRY(sdr_stable_step(built->system, &built->stable_step));
   built->step = isnan(time->step) ? time->safety * built->stable_step : time->step;
@@ -182,7 +200,8 @@ static void list_skipped(sdr_built *built)
   skip(built, all_runs, "index lists: bonds are runs of a lattice");
   skip(built, all_runs, "neighbourhood: bonds come from lattice rows");
   skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
-  skip(built, 1, "Jacobian: explicit integrator");
+  skip(built, !built->integrator->is_static, "Jacobian: explicit integrator");
+  skip(built, built->integrator->is_static, "steps in time: static solution");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
        "tests for cut bonds: no pre-crack, no protected zone");
   skip(built, scene->output.snapshots == 0, "fields: no snapshots asked");

@@ -36,12 +36,29 @@ static void print_points(const sdr_built *built, FILE *out)
     fprintf(out, "cut at the start    %lld directed bonds\n", (long long)built->cut_bonds);
 }
 
-static void print_step(const sdr_built *built, FILE *out)
+static sdr_status print_static(const sdr_built *built, FILE *out)
 {
+  sdr_system *system = built->system;
+  const int32_t count = sdr_supports_count(built->supports);
+  const long long unknowns = (long long)system->count * system->components;
+  long long held = 0;
+  SDR_TRY(sdr_supports_values(built->supports, built->step, system->motion));
+  for (int32_t k = 0; k < count; ++k) held += !isnan(system->motion[k]);
+  fprintf(out,
+          "static solution     at t = %g s: %lld components, %lld of them prescribed; solver %s\n",
+          built->step, unknowns, held, system->solver);
+  if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
+  return SDR_OK;
+}
+
+static sdr_status print_step(const sdr_built *built, FILE *out)
+{
+  if (built->integrator->is_static) return print_static(built, out);
   fprintf(out, "stable step         %.5g us; step %.5g us (%.3g of it), %lld steps to %g us\n",
           built->stable_step * 1e6, built->step * 1e6, built->step / built->stable_step,
           (long long)built->steps, built->scene->time.end * 1e6);
   if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
+  return SDR_OK;
 }
 
 static void print_memory(const sdr_built *built, FILE *out)
@@ -168,7 +185,7 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
   fprintf(out, "kernels             %s, %s precision, %d thread%s\n", built->traits.isa,
           scene->mixed ? "mixed" : "double", sdr_threads(), sdr_threads() == 1 ? "" : "s");
   print_points(built, out);
-  print_step(built, out);
+  SDR_TRY(print_step(built, out));
   print_memory(built, out);
   SDR_TRY(print_materials(built, out));
   if (scene->damage.law != SDR_LAW_NONE)

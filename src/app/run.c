@@ -205,6 +205,25 @@ static sdr_status find_pieces(const run *r, sdr_summary *summary, sdr_ring_count
   return SDR_OK;
 }
 
+/* What it cost. */
+static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE *out)
+{
+  const double steps = (double)(s->steps_run ? s->steps_run : 1);
+  if (!solve->name) {
+    fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d thread%s)\n",
+            s->wall_total, s->wall_integrate * 1e9 / ((double)s->bonds * steps), s->instruction_set,
+            s->threads, s->threads == 1 ? "" : "s");
+    return;
+  }
+  fprintf(out, "solver              %s: %lld unknowns, %lld nonzeros, residual %.1e", solve->name,
+          (long long)solve->unknowns, (long long)solve->nonzeros, solve->residual);
+  if (solve->iterations > 0) fprintf(out, ", %lld iterations", (long long)solve->iterations);
+  fprintf(out, "\nbent body's forces  differ by %.1e from the linear ones\n", solve->nonlinearity);
+  fprintf(out,
+          "time                %.2f s: assembled in %.2f s, factored in %.2f s, solved in %.2f s\n",
+          s->wall_total, solve->assemble_seconds, solve->factor_seconds, solve->solve_seconds);
+}
+
 static void print_results(const run *r, const sdr_summary *s, const sdr_ring_counts *ring,
                           FILE *out)
 {
@@ -223,10 +242,7 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
   fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
           s->books.imbalance_relative, s->books.imbalance_largest);
-  fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d thread%s)\n",
-          s->wall_total,
-          s->wall_integrate * 1e9 / ((double)s->bonds * (double)(s->steps_run ? s->steps_run : 1)),
-          s->instruction_set, s->threads, s->threads == 1 ? "" : "s");
+  print_time(s, &r->built.system->solve, out);
   sdr_figures_print(s, out);
   fprintf(out, "results             %s\n", r->directory);
 }
@@ -267,7 +283,8 @@ static sdr_status summarise(run *r, FILE *out)
                          .books = sdr_ledger_books(r->ledger),
                          .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
                          .skipped = built->skipped,
-                         .skipped_count = built->skipped_count};
+                         .skipped_count = built->skipped_count,
+                         .solve = &built->system->solve};
   SDR_TRY(damage_of_points(r, &summary));
   SDR_TRY(find_pieces(r, &summary, &ring));
   SDR_TRY(sdr_figures_measured(built->scene, &summary, &ring, r->measures, &measured,

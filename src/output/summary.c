@@ -144,11 +144,26 @@ static void put_fragments(record *r, const sdr_summary *s)
   put_record(r, "fragments", fragments);
 }
 
+static void put_solve(record *r, const sdr_solve_record *solve)
+{
+  put_text(r, "name", solve->name);
+  put_whole(r, "unknowns", solve->unknowns);
+  put_whole(r, "nonzeros", solve->nonzeros);
+  put_real(r, "assemble_seconds", solve->assemble_seconds);
+  put_real(r, "factor_seconds", solve->factor_seconds);
+  put_real(r, "solve_seconds", solve->solve_seconds);
+  put_real(r, "memory_bytes", solve->bytes);
+  put_whole(r, "iterations", solve->iterations);
+  put_real(r, "residual", solve->residual);
+  put_real(r, "nonlinearity", solve->nonlinearity);
+}
+
 static void put_solver(record *r, const sdr_summary *s)
 {
   record solver = begin();
   put_real(&solver, "stable_step", s->stable_step);
   put_text(&solver, "instruction_set", s->instruction_set);
+  if (s->solve && s->solve->name) put_solve(&solver, s->solve);
   put_record(r, "solver", solver);
 
   json_t *skipped = json_array();

@@ -2,6 +2,7 @@
 #ifndef SDR_OUTPUT_SUMMARY_H
 #define SDR_OUTPUT_SUMMARY_H
 
+#include "mechanics/system.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
 #include "scene/scene.h"
@@ -25,6 +26,7 @@ typedef struct {
   double step_size, time_end;
   double wall_setup, wall_integrate, wall_output, wall_total; /* s */
   double stable_step;                                         /* s; NAN: not looked for */
+  const sdr_solve_record *solve; /* of linear equations; NULL, or name NULL: none were */
   sdr_books books;
   double onset_time;              /* NAN: never */
   double damage_max, damage_mean; /* of the points' damage field */

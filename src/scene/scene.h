@@ -207,7 +207,8 @@ typedef struct {
 /* ---- time and output ------------------------------------------------------------------------- */
 
 typedef struct {
-  char integrator[SDR_NAME_MAX]; /* "leapfrog" */
+  char integrator[SDR_NAME_MAX]; /* "leapfrog", "static" */
+  char solver[16];               /* of linear equations, "auto", "cholmod", ...; static only */
   double step;                   /* s; NAN: automatic */
   double safety;                 /* share of the stability limit an automatic step takes; 0.9 */
   double end;                    /* s */

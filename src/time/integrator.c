@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-static const sdr_integrator *const integrators[] = {&sdr_leapfrog};
+static const sdr_integrator *const integrators[] = {&sdr_leapfrog, &sdr_static};
 
 const sdr_integrator *sdr_integrator_find(const char *name)
 {

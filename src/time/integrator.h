@@ -10,9 +10,10 @@ typedef struct {
   sdr_status (*start)(sdr_system *system, double dt);
   /* One step: system->time and step move on, u, v, f are those of the new time. */
   sdr_status (*step)(sdr_system *system, double dt);
+  int is_static; /* 1: one step, as long as the whole run; there is no stable one */
 } sdr_integrator;
 
-extern const sdr_integrator sdr_leapfrog;
+extern const sdr_integrator sdr_leapfrog, sdr_static;
 
 /* The integrator of that name; NULL: none. */
 const sdr_integrator *sdr_integrator_find(const char *name);
