@@ -71,13 +71,15 @@ static int find_partner(const row_index *index, const int32_t line[2], int32_t s
 
 typedef struct {
   const row_index *index;
+  const sdr_stencil *stencil;
+  int *order;          /* stencil steps of the half that is lexicographically positive, by line */
   const uint8_t *bulk; /* see sdr_bonds_how */
   sdr_bonds *bonds;
   int64_t *cursor; /* next free run of each stripe; NULL while counting into stripe_run[s + 1] */
 } run_builder;
 
-static void add_run(run_builder *build, int class_index, const sdr_row *row, const sdr_row *partner,
-                    int32_t from, int32_t length, int32_t shift)
+static void add_run(const run_builder *build, int class_index, const sdr_row *row,
+                    const sdr_row *partner, int32_t from, int32_t length, int32_t shift)
 {
   const row_index *index = build->index;
   const sdr_row *rows = index->points->rows;
@@ -97,9 +99,10 @@ static void add_run(run_builder *build, int class_index, const sdr_row *row, con
 }
 
 /* The pairs from `from` to `to` along the row, without those that must be loose. */
-static void add_bulk_runs(run_builder *build, int class_index, const sdr_row *row,
+static void add_bulk_runs(const run_builder *build, int class_index, const sdr_row *row,
                           const sdr_row *partner, int32_t from, int32_t to, int32_t shift)
 {
+  if (from >= to) return;
   if (!build->bulk) {
     add_run(build, class_index, row, partner, from, to - from, shift);
     return;
@@ -114,34 +117,66 @@ static void add_bulk_runs(run_builder *build, int class_index, const sdr_row *ro
   }
 }
 
-/* All runs of one row in one class. */
-static void runs_of_row(run_builder *build, int class_index, const int32_t step[3],
-                        const sdr_row *row)
+/* Classes that lead from a row to the same lattice line, by their shift along it: places
+   [first, end) of run_builder.order. */
+typedef struct {
+  int first, end;
+} line_classes;
+
+/* All runs of one row to the rows on one line: partner by partner, so that runs between the same
+   two rows follow each other (the kernels add their forces up together). */
+static void runs_to_line(const run_builder *build, line_classes line, const sdr_row *row)
 {
   const row_index *index = build->index;
-  const int axis = index->points->row_axis;
-  const int32_t line[2] = {row->cell[index->across[0]] + step[index->across[0]],
-                           row->cell[index->across[1]] + step[index->across[1]]};
-  const int32_t start = row->cell[axis], end = start + row->length, shift = step[axis];
-  for (int p = find_partner(index, line, start + shift); p < index->points->row_count; ++p) {
+  const sdr_stencil *stencil = build->stencil;
+  const int axis = index->points->row_axis, *const order = build->order;
+  const int32_t *least = stencil->step + 3 * order[line.first];
+  const int32_t *most = stencil->step + 3 * order[line.end - 1];
+  const int32_t at[2] = {row->cell[index->across[0]] + least[index->across[0]],
+                         row->cell[index->across[1]] + least[index->across[1]]};
+  const int32_t start = row->cell[axis], end = start + row->length;
+  for (int p = find_partner(index, at, start + least[axis]); p < index->points->row_count; ++p) {
     const sdr_row *partner = index->sorted[p];
-    if (compare_line(partner, line, index->across) != 0) break;
-    const int32_t partner_start = partner->cell[axis] - shift;
-    const int32_t partner_end = partner_start + partner->length;
-    if (partner_start >= end) break;
-    const int32_t from = start > partner_start ? start : partner_start;
-    const int32_t to = end < partner_end ? end : partner_end;
-    add_bulk_runs(build, class_index, row, partner, from, to, shift);
+    const int32_t first = partner->cell[axis], last = first + partner->length;
+    if (compare_line(partner, at, index->across) != 0 || first - most[axis] >= end) break;
+    for (int c = line.first; c < line.end; ++c) {
+      const int32_t shift = stencil->step[3 * order[c] + axis];
+      const int32_t from = start > first - shift ? start : first - shift;
+      const int32_t to = end < last - shift ? end : last - shift;
+      add_bulk_runs(build, order[c] - stencil->count / 2, row, partner, from, to, shift);
+    }
   }
 }
 
-static void each_row_and_class(run_builder *build, const sdr_stencil *stencil)
+/* By line, then by the shift along it; `context` is the run_builder. */
+static int by_class_line(const void *left, const void *right, void *context)
+{
+  const run_builder *build = context;
+  const int32_t *a = build->stencil->step + 3 * *(const int *)left;
+  const int32_t *b = build->stencil->step + 3 * *(const int *)right;
+  const int *across = build->index->across, axis = build->index->points->row_axis;
+  for (int k = 1; k >= 0; --k)
+    if (a[across[k]] != b[across[k]]) return a[across[k]] < b[across[k]] ? -1 : 1;
+  return a[axis] < b[axis] ? -1 : a[axis] > b[axis];
+}
+
+static int same_line(const run_builder *build, int left, int right)
+{
+  const int32_t *a = build->stencil->step + 3 * left, *b = build->stencil->step + 3 * right;
+  const int *across = build->index->across;
+  return a[across[0]] == b[across[0]] && a[across[1]] == b[across[1]];
+}
+
+static void each_row_and_class(const run_builder *build)
 {
   const sdr_points *points = build->index->points;
-  const int first = stencil->count / 2; /* the half that is lexicographically positive */
+  const int count = build->stencil->count - build->stencil->count / 2;
   for (int r = 0; r < points->row_count; ++r)
-    for (int c = first; c < stencil->count; ++c)
-      runs_of_row(build, c - first, stencil->step + 3 * c, &points->rows[r]);
+    for (line_classes line = {0, 1}; line.first < count; line.first = line.end++) {
+      while (line.end < count && same_line(build, build->order[line.first], build->order[line.end]))
+        ++line.end;
+      runs_to_line(build, line, &points->rows[r]);
+    }
 }
 
 static sdr_status make_classes(const sdr_points *points, const sdr_stencil *stencil,
@@ -187,29 +222,40 @@ static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sd
   sdr_free(done);
 }
 
-/* Slots of a run start on a multiple of 4, so that few vectors of history cross a cache line. */
+/* Slots of a run start on a cache line and fill whole ones: kernels work in whole vectors. */
 static void number_slots(sdr_bonds *bonds)
 {
   int64_t slot = 0;
   for (int64_t r = 0; r < bonds->run_count; ++r) {
     bonds->runs[r].slot = slot;
-    slot += (bonds->runs[r].length + 3) / 4 * 4;
+    slot += (bonds->runs[r].length + 15) / 16 * 16;
   }
   bonds->run_slots = slot;
 }
 
-static sdr_status place_runs(run_builder *build, const sdr_stencil *stencil)
+static sdr_status order_classes(run_builder *build)
+{
+  const int first = build->stencil->count / 2, count = build->stencil->count - first;
+  build->order = sdr_alloc((size_t)count, sizeof *build->order);
+  if (!build->order) return SDR_RUN_FAILED;
+  for (int c = 0; c < count; ++c) build->order[c] = first + c;
+  qsort_r(build->order, (size_t)count, sizeof *build->order, by_class_line, build);
+  return SDR_OK;
+}
+
+static sdr_status place_runs(run_builder *build)
 {
   sdr_bonds *bonds = build->bonds;
   const int stripes = build->index->points->stripe_count;
-  each_row_and_class(build, stencil); /* counts */
+  SDR_TRY(order_classes(build));
+  each_row_and_class(build); /* counts */
   for (int s = 0; s < stripes; ++s) bonds->stripe_run[s + 1] += bonds->stripe_run[s];
   bonds->run_count = bonds->stripe_run[stripes];
   bonds->runs = sdr_alloc((size_t)bonds->run_count, sizeof *bonds->runs);
   build->cursor = sdr_alloc((size_t)stripes, sizeof *build->cursor);
   if (!bonds->runs || !build->cursor) return SDR_RUN_FAILED;
   memcpy(build->cursor, bonds->stripe_run, (size_t)stripes * sizeof *build->cursor);
-  each_row_and_class(build, stencil);
+  each_row_and_class(build);
   bonds->directed = 2 * bonds->pairs;
   return SDR_OK;
 }
@@ -218,17 +264,18 @@ sdr_status sdr_lattice_runs(const sdr_points *points, const sdr_bonds_how *how, 
 {
   sdr_stencil stencil = {0};
   row_index index = {0};
-  run_builder build = {.index = &index, .bulk = how->bulk, .bonds = bonds};
+  run_builder build = {.index = &index, .stencil = &stencil, .bulk = how->bulk, .bonds = bonds};
   sdr_status status =
       sdr_stencil_create(points->components, points->lattice_spacing, points->horizon[0], &stencil);
   if (status == SDR_OK) status = index_rows(points, &index);
   if (status == SDR_OK) status = make_classes(points, &stencil, bonds);
-  if (status == SDR_OK) status = place_runs(&build, &stencil);
+  if (status == SDR_OK) status = place_runs(&build);
   if (status == SDR_OK) {
     weigh_classes(points, how, bonds);
     number_slots(bonds);
   }
   sdr_free(build.cursor);
+  sdr_free(build.order);
   sdr_free(index.sorted);
   sdr_free(index.stripe);
   sdr_stencil_destroy(&stencil);

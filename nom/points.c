@@ -16,7 +16,7 @@ enum {
 size_t sdr_points_padded(const sdr_points *points)
 {
   const size_t total = (size_t)points->count + (size_t)points->ghosts;
-  return (total + 15) / 8 * 8;
+  return (total + 31) / 16 * 16;
 }
 
 sdr_status sdr_points_create(int32_t count, int components, int lattice, sdr_points **out)

@@ -17,7 +17,8 @@ typedef struct {
 enum { SDR_NO_FAMILY = 0x80, SDR_LAYERS = 0x7f };
 
 /* Owned points come first, ghosts (copies of another process's points; none on one machine) after
-   them. Arrays are 64-byte aligned and padded with zeros to a multiple of 8 beyond `count + 8`. */
+   them. Arrays are 64-byte aligned and padded with zeros to a multiple of 16 beyond `count + 15`:
+   kernels read whole vectors. */
 typedef struct {
   int32_t count;   /* owned points */
   int32_t ghosts;  /* 0 */

@@ -16,8 +16,8 @@ SDR_INLINE SDR_NAMED(sdr_stretch) SDR_NAMED(stretch_of)(SDR_REAL z)
   const SDR_REAL one = (SDR_REAL)1, half = (SDR_REAL)0.5, square = one + z;
   /* l = 0: no direction, no force */
   const SDR_REAL r = SDR_SQRT(square > SDR_SMALLEST ? square : SDR_SMALLEST);
-  const SDR_REAL rough = r - one;
-  return (SDR_NAMED(sdr_stretch)){rough + half * (z - rough * (rough + (SDR_REAL)2)), r};
+  const SDR_REAL rough = r - one, error = SDR_FMA(-rough, rough + (SDR_REAL)2, z);
+  return (SDR_NAMED(sdr_stretch)){SDR_FMA(half, error, rough), r};
 }
 
 SDR_INLINE SDR_REAL SDR_NAMED(force_factor)(SDR_REAL z, SDR_REAL r)
@@ -44,11 +44,12 @@ SDR_INLINE SDR_REAL SDR_NAMED(variational_factor)(const int each, const int mark
                                                   SDR_REAL r, float k, SDR_REAL ci, SDR_REAL qi,
                                                   SDR_REAL cj, SDR_REAL qj)
 {
-  const SDR_REAL kk = (SDR_REAL)k * (SDR_REAL)k, one = (SDR_REAL)1;
-  const SDR_REAL a = kk + qi, b = each ? kk + qj : one, ab = a * b, rr = r * (one + r);
+  const SDR_REAL one = (SDR_REAL)1, kept = (SDR_REAL)k;
+  const SDR_REAL a = SDR_FMA(kept, kept, qi), b = each ? SDR_FMA(kept, kept, qj) : one;
+  const SDR_REAL ab = a * b, rr = r * (one + r);
   const SDR_REAL all = one / (rr * ab), by_r = ab * all, by_ab = rr * all;
   const SDR_REAL intact_i = qi * b * by_ab, intact_j = each ? qj * a * by_ab : intact_i;
-  const SDR_REAL soft = ci * (intact_i * intact_i) + cj * (intact_j * intact_j);
+  const SDR_REAL soft = SDR_FMA(ci, intact_i * intact_i, cj * (intact_j * intact_j));
   return SDR_NAMED(stiffness_left)(marked, z, k, soft, ci + cj) * (z * by_r);
 }
 
@@ -92,107 +93,208 @@ SDR_INLINE SDR_NAMED(sdr_terms)
                                 (SDR_REAL)(class->by_length_ji * stiff)};
 }
 
-/* Forces of a block, onto f at once or, where i and j points overlap (a run along its own row) or
-   float forces wait to be widened, into F, component-major; returns 1 if a bond was lost in it. */
-SDR_INLINE int SDR_NAMED(block_force)(const int components, const int law, const int each,
-                                      const int marked, const int commit, const int overlap,
-                                      const sdr_bond_body *body, const sdr_block *block,
-                                      SDR_REAL F[3][SDR_BLOCK])
+/* How much further the end of pair k of a block moved than its start. */
+typedef struct {
+  SDR_REAL x, y, z;
+} SDR_NAMED(sdr_motion);
+
+SDR_INLINE SDR_NAMED(sdr_motion)
+    SDR_NAMED(pair_motion)(const int components, const sdr_block *block, int k)
 {
-  const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
-  const SDR_REAL xx = of.xi[0], xy = of.xi[1], xz = of.xi[2];
-  const SDR_REAL two = (SDR_REAL)2, zero = (SDR_REAL)0;
-  const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
-  const double force_unit = SDR_FORCE_UNIT(body);
-  sdr_flags fresh = 0;
-#pragma omp simd reduction(| : fresh)
-  for (int k = 0; k < block->count; ++k) {
-    const SDR_REAL ex = SDR_DIFFERENCE(0);
-    const SDR_REAL ey = components > 1 ? SDR_DIFFERENCE(1) : zero;
-    const SDR_REAL ez = components > 2 ? SDR_DIFFERENCE(2) : zero;
-    SDR_REAL z = (two * xx + ex) * ex;
-    if (components > 1) z += (two * xy + ey) * ey;
-    if (components > 2) z += (two * xz + ez) * ez;
-    z *= of.inverse_square;
-    const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
-    const SDR_REAL ci = of.wij * (each ? block->SDR_NAMED(ci)[k] : c);
-    const SDR_REAL cj = of.wji * (each ? block->SDR_NAMED(cj)[k] : c);
-    const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
-    const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
-    SDR_REAL phi = zero;
-    if (law == SDR_LAW_VARIATIONAL) {
-      const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
-      if (commit) block->stretch[k] = grown;
-      phi = SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
-    } else if (law == SDR_LAW_CRITICAL_STRETCH) {
-      const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
-      if (commit) {
-        block->flags[k] = grown;
-        fresh |= grown;
-      }
-      phi = ((grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj)) *
-            SDR_NAMED(force_factor)(z, t.r);
-    } else {
-      phi = (ci + cj) * SDR_NAMED(force_factor)(z, t.r);
-      if (marked) phi = block->flags[k] & SDR_CUT ? zero : phi;
-    }
-    const SDR_REAL fx = phi * (xx + ex), fy = phi * (xy + ey), fz = phi * (xz + ez);
-    if (overlap) {
-      F[0][k] = fx;
-      if (components > 1) F[1][k] = fy;
-      if (components > 2) F[2][k] = fz;
-    } else {
-      block->fi[0][k] += force_unit * (double)fx;
-      block->fj[0][k] -= force_unit * (double)fx;
-      if (components > 1) {
-        block->fi[1][k] += force_unit * (double)fy;
-        block->fj[1][k] -= force_unit * (double)fy;
-      }
-      if (components > 2) {
-        block->fi[2][k] += force_unit * (double)fz;
-        block->fj[2][k] -= force_unit * (double)fz;
-      }
-    }
-  }
-  return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
+  const SDR_REAL zero = (SDR_REAL)0;
+  return (SDR_NAMED(sdr_motion)){SDR_DIFFERENCE(0), components > 1 ? SDR_DIFFERENCE(1) : zero,
+                                 components > 2 ? SDR_DIFFERENCE(2) : zero};
 }
 
-/* i and j sides apart, since a run along its own row overlaps itself. */
-SDR_INLINE void SDR_NAMED(add_block)(const int components, const sdr_bond_body *body,
-                                     const sdr_block *block, SDR_REAL F[3][SDR_BLOCK])
+/* z of a pair. */
+SDR_INLINE SDR_REAL SDR_NAMED(elongation)(const int components, const SDR_NAMED(sdr_terms) * of,
+                                          SDR_NAMED(sdr_motion) e)
 {
-  const double unit = SDR_FORCE_UNIT(body);
-  for (int a = 0; a < components; ++a) {
-    double *const fi = block->fi[a], *const fj = block->fj[a];
-    const SDR_REAL *const force = F[a];
-#pragma omp simd
-    for (int k = 0; k < block->count; ++k) fi[k] += unit * (double)force[k];
-#pragma omp simd
-    for (int k = 0; k < block->count; ++k) fj[k] -= unit * (double)force[k];
+  const SDR_REAL two = (SDR_REAL)2;
+  SDR_REAL sum = (two * of->xi[0] + e.x) * e.x;
+  if (components > 1) sum = SDR_FMA(two * of->xi[1] + e.y, e.y, sum);
+  if (components > 2) sum = SDR_FMA(two * of->xi[2] + e.z, e.z, sum);
+  return sum * of->inverse_square;
+}
+
+SDR_INLINE SDR_REAL SDR_NAMED(pair_elongation)(const int components,
+                                               const SDR_NAMED(sdr_terms) * of,
+                                               const sdr_block *block, int k)
+{
+  return SDR_NAMED(elongation)(components, of, SDR_NAMED(pair_motion)(components, block, k));
+}
+
+/* Stiffness times force factor of pair k of a block, whose history takes the stretch in. */
+SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const int marked,
+                                           const int commit, const sdr_bond_body *body,
+                                           const SDR_NAMED(sdr_terms) * of, const sdr_block *block,
+                                           int k, SDR_REAL z)
+{
+  const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
+  const SDR_REAL ci = of->wij * (each ? block->SDR_NAMED(ci)[k] : c);
+  const SDR_REAL cj = of->wji * (each ? block->SDR_NAMED(cj)[k] : c);
+  const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
+  const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
+  const SDR_REAL zero = (SDR_REAL)0;
+  const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
+  if (law == SDR_LAW_VARIATIONAL) {
+    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
+    if (commit) block->stretch[k] = grown;
+    return SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
   }
+  SDR_REAL left = ci + cj;
+  if (law == SDR_LAW_CRITICAL_STRETCH) {
+    const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
+    if (commit) block->flags[k] = grown;
+    left = (grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj);
+  } else if (marked) {
+    left = block->flags[k] & SDR_CUT ? zero : left;
+  }
+  return left * SDR_NAMED(force_factor)(z, t.r);
+}
+
+/* Pairs of a block and those after them up to a whole vector: what is computed for the latter is
+   thrown away, and their history is that of padding or of the same pair, computed twice. */
+SDR_INLINE int SDR_NAMED(whole_vectors)(const sdr_block *block)
+{
+  const int lanes = (int)(64 / sizeof(SDR_REAL));
+  return (block->count + lanes - 1) / lanes * lanes;
+}
+
+/* Forces of a block into F. With a damage law in three loops: the way from displacement to force is
+   so long that in one loop a processor would not see enough pairs at once to keep busy. */
+SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
+                                          const int marked, const int commit,
+                                          const sdr_bond_body *body, const sdr_block *block,
+                                          SDR_REAL *const F[3])
+{
+  const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
+  const int split = law != SDR_LAW_NONE, n = SDR_NAMED(whole_vectors)(block);
+  SDR_REAL *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
+  _Alignas(64) SDR_REAL Z[SDR_BLOCK], P[SDR_BLOCK];
+#pragma omp simd
+  for (int k = 0; k < n; ++k) {
+    const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
+    const SDR_REAL z = SDR_NAMED(elongation)(components, &of, e);
+    SDR_REAL phi = (SDR_REAL)1;
+    if (split)
+      Z[k] = z;
+    else
+      phi = SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z);
+    fx[k] = phi * (of.xi[0] + e.x);
+    if (components > 1) fy[k] = phi * (of.xi[1] + e.y);
+    if (components > 2) fz[k] = phi * (of.xi[2] + e.z);
+  }
+  if (!split) return;
+#pragma omp simd
+  for (int k = 0; k < n; ++k)
+    P[k] = SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, Z[k]);
+#pragma omp simd
+  for (int k = 0; k < n; ++k) {
+    fx[k] *= P[k];
+    if (components > 1) fy[k] *= P[k];
+    if (components > 2) fz[k] *= P[k];
+  }
+}
+
+/* Runs that join the same two rows, shifted by a few points against each other, and their forces
+   in a piece of SDR_BLOCK points of the first row: [run][component][pair], zero in the margins. */
+typedef struct {
+  int count;
+  int64_t i[SDR_BAND], j[SDR_BAND]; /* of the first pair */
+  int32_t length[SDR_BAND];
+  _Alignas(64) SDR_REAL force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
+} SDR_NAMED(sdr_band);
+
+/* f += unit times the sum of `count` forces: once for all runs of a band, since what costs most is
+   to write to points that do not begin on a cache line. */
+static __attribute__((noinline)) void SDR_NAMED(add_up)(int count, const SDR_REAL *const force[],
+                                                        double unit, int32_t points, double *f)
+{
+  const SDR_REAL *const a = force[0], *const b = force[1], *const c = force[2];
+  const SDR_REAL *const d = force[3], *const e = force[4];
+#define SDR_ADD_UP(sum)                                                                            \
+  _Pragma("omp simd") for (int32_t k = 0; k < points; ++k) f[k] = SDR_SUM(unit, sum, f[k])
+  switch (count) {
+  case 1:
+    SDR_ADD_UP((double)a[k]);
+    break;
+  case 2:
+    SDR_ADD_UP((double)a[k] + (double)b[k]);
+    break;
+  case 3:
+    SDR_ADD_UP(((double)a[k] + (double)b[k]) + (double)c[k]);
+    break;
+  case 4:
+    SDR_ADD_UP(((double)a[k] + (double)b[k]) + ((double)c[k] + (double)d[k]));
+    break;
+  default:
+    SDR_ADD_UP(((double)a[k] + (double)b[k]) + ((double)c[k] + (double)d[k]) + (double)e[k]);
+  }
+#undef SDR_ADD_UP
+}
+
+/* Add a band's forces to the points that its runs begin at. */
+SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * band,
+                                    const int64_t first[SDR_BAND], double unit, double *const f[3])
+{
+  int64_t low = first[0], high = first[0] + band->length[0];
+  for (int c = 1; c < band->count; ++c) {
+    low = first[c] < low ? first[c] : low;
+    high = first[c] + band->length[c] > high ? first[c] + band->length[c] : high;
+  }
+  for (int a = 0; a < components; ++a) {
+    const SDR_REAL *force[SDR_BAND] = {NULL};
+    for (int c = 0; c < band->count; ++c)
+      force[c] = band->force[c][a] + SDR_MARGIN - (first[c] - low);
+    SDR_NAMED(add_up)(band->count, force, unit, (int32_t)(high - low), f[a] + low);
+  }
+}
+
+/* Forces of the band runs [r, r + count) for their pairs with i in [from, end). */
+SDR_INLINE void SDR_NAMED(force_of_band)(const int components, const int law, const int each,
+                                         const int commit, const sdr_bond_body *body,
+                                         const sdr_band_piece *piece, double *const u[3],
+                                         double *const f[3], SDR_NAMED(sdr_band) * band)
+{
+  band->count = 0;
+  for (int64_t r = piece->run; r < piece->run_end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    const sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
+    if (block.count <= 0) continue;
+    const int c = band->count++;
+    SDR_REAL *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
+                            band->force[c][2] + SDR_MARGIN};
+    if (body->run_marked && body->run_marked[r])
+      SDR_NAMED(force_of_block)(components, law, each, 1, commit, body, &block, F);
+    else
+      SDR_NAMED(force_of_block)(components, law, each, 0, commit, body, &block, F);
+    for (int a = 0; a < components; ++a)
+      memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_REAL));
+    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh_in(&block)) body->run_fresh[r] = 1;
+    band->i[c] = block.i;
+    band->j[c] = block.j;
+    band->length[c] = block.count;
+  }
+  if (band->count == 0) return;
+  SDR_NAMED(add_band)(components, band, band->i, SDR_FORCE_UNIT(body), f);
+  SDR_NAMED(add_band)(components, band, band->j, -SDR_FORCE_UNIT(body), f);
 }
 
 SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, const int each,
                                          const int commit, const sdr_bond_body *body, int64_t first,
                                          int64_t end, double *const u[3], double *const f[3])
 {
-  _Alignas(64) SDR_REAL F[3][SDR_BLOCK];
-  for (int64_t r = first; r < end; ++r) {
-    const sdr_bond_run *run = &body->bonds->runs[r];
-    const int marked = body->run_marked && body->run_marked[r];
-    const int overlap =
-        SDR_BUFFERED || (run->j0 > run->i0 ? run->j0 - run->i0 : run->i0 - run->j0) < run->length;
-    int fresh = 0;
-    for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
-      const sdr_block block = block_at(components, body, run, start, u, f);
-      if (marked)
-        fresh |= SDR_NAMED(block_force)(components, law, each, 1, commit, 1, body, &block, F);
-      else if (overlap)
-        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, 1, body, &block, F);
-      else
-        fresh |= SDR_NAMED(block_force)(components, law, each, 0, commit, 0, body, &block, F);
-      if (marked || overlap) SDR_NAMED(add_block)(components, body, &block, F);
+  SDR_NAMED(sdr_band) band;
+  for (int c = 0; c < SDR_BAND; ++c)
+    for (int a = 0; a < components; ++a) memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_REAL));
+  for (int64_t r = first; r < end;) {
+    sdr_band_piece piece = {.run = r, .run_end = end};
+    const int32_t last = find_band(body->bonds->runs, &piece);
+    for (; piece.from < last; piece.from = piece.end) {
+      piece.end = last - piece.from < SDR_BLOCK ? last : piece.from + SDR_BLOCK;
+      SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, u, f, &band);
     }
-    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh) body->run_fresh[r] = 1;
+    r = piece.run_end;
   }
 }

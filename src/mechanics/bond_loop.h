@@ -7,17 +7,33 @@
 #include "mechanics/bond_body.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define SDR_INLINE static inline __attribute__((always_inline))
 
-/* Pairs a block: its forces wait in the first-level cache. */
-enum { SDR_BLOCK = 256 };
+enum {
+  SDR_BLOCK = 256, /* pairs a block: its forces wait in the first-level cache */
+  SDR_BAND = 5,    /* most runs whose forces are added up together */
+  SDR_SHIFT = 8,   /* points by which they may begin and end apart from the first of them */
+  SDR_MARGIN = 2 * SDR_SHIFT
+};
+
+/* a b + c, rounded once where the processor can; the same way in every variant of a loop, so that
+   leaving something out changes no bit. */
+#if defined __FP_FAST_FMA || defined __FMA__
+#define SDR_FMA_double(a, b, c) __builtin_fma(a, b, c)
+#define SDR_FMA_float(a, b, c) __builtin_fmaf(a, b, c)
+#else
+#define SDR_FMA_double(a, b, c) ((a) * (b) + (c))
+#define SDR_FMA_float(a, b, c) ((a) * (b) + (c))
+#endif
 
 /* A block of a run's pairs: pointers to the first pair's points and slot. */
 typedef struct {
   const sdr_bond_class *class;
   const double *ui[3], *uj[3];
-  double *fi[3], *fj[3];
+  int64_t i, j;
   const float *high_i[3], *high_j[3], *low_i[3], *low_j[3]; /* mixed */
   const double *ci_double, *cj_double, *qi_double, *qj_double;
   const float *ci_float, *cj_float, *qi_float, *qj_float; /* mixed */
@@ -42,19 +58,19 @@ SDR_INLINE void mixed_block_at(const int components, const sdr_bond_body *body, 
   block->qj_float = body->float_threshold + j;
 }
 
+/* The pairs of a run with i in [from, end), at most SDR_BLOCK; their count is <= 0 if there are
+   none. */
 SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
-                              const sdr_bond_run *run, int32_t start, double *const u[3],
-                              double *const f[3])
+                              const sdr_bond_run *run, int32_t from, int32_t end,
+                              double *const u[3])
 {
+  const int32_t start = from > run->i0 ? from - run->i0 : 0, behind = end - run->i0;
   const int64_t i = run->i0 + start, j = run->j0 + start, slot = run->slot + start;
-  sdr_block block = {.class = &body->bonds->classes[run->class_index]};
+  sdr_block block = {.class = &body->bonds->classes[run->class_index], .i = i, .j = j};
+  block.count = (run->length < behind ? run->length : behind) - start;
   for (int a = 0; a < components; ++a) {
     block.ui[a] = u[a] + i;
     block.uj[a] = u[a] + j;
-    if (f) {
-      block.fi[a] = f[a] + i;
-      block.fj[a] = f[a] + j;
-    }
   }
   if (body->stiffness_at) {
     block.ci_double = body->stiffness_at + i;
@@ -65,15 +81,64 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
   if (body->mixed) mixed_block_at(components, body, i, j, &block);
   if (body->stretch) block.stretch = body->stretch + slot;
   if (body->flags) block.flags = body->flags + slot;
-  block.count = run->length - start < SDR_BLOCK ? run->length - start : SDR_BLOCK;
   return block;
+}
+
+/* The block that begins with the pair `start` of a run. */
+SDR_INLINE sdr_block run_block(const int components, const sdr_bond_body *body,
+                               const sdr_bond_run *run, int32_t start, double *const u[3])
+{
+  const int32_t from = run->i0 + start, rest = run->length - start;
+  return block_at(components, body, run, from, from + (rest < SDR_BLOCK ? rest : SDR_BLOCK), u);
+}
+
+/* Runs [run, run_end) of a band, with i in [from, end). */
+typedef struct {
+  int64_t run, run_end;
+  int32_t from, end;
+} sdr_band_piece;
+
+/* 1 if two runs begin and end so near each other on both sides that their forces may be added up
+   together. */
+SDR_INLINE int run_joins(const sdr_bond_run *a, const sdr_bond_run *b)
+{
+  const int32_t i = a->i0 - b->i0, j = a->j0 - b->j0, longer = a->length - b->length;
+  return abs(i) <= SDR_SHIFT && abs(j) <= SDR_SHIFT && abs(i + longer) <= SDR_SHIFT &&
+         abs(j + longer) <= SDR_SHIFT;
+}
+
+/* The band that begins with piece->run: sets run_end (at most what it is) and from; returns the end
+   of its points i. */
+SDR_INLINE int32_t find_band(const sdr_bond_run *runs, sdr_band_piece *piece)
+{
+  const sdr_bond_run *const first = &runs[piece->run];
+  int64_t r = piece->run + 1;
+  int32_t last = first->i0 + first->length;
+  piece->from = first->i0;
+  for (; r < piece->run_end && r - piece->run < SDR_BAND && run_joins(&runs[r], first); ++r) {
+    const int32_t end = runs[r].i0 + runs[r].length;
+    if (runs[r].i0 < piece->from) piece->from = runs[r].i0;
+    if (end > last) last = end;
+  }
+  piece->run_end = r;
+  return last;
+}
+
+/* 1 if a bond of the block was lost and is not booked. */
+SDR_INLINE int fresh_in(const sdr_block *block)
+{
+  sdr_flags fresh = 0;
+#pragma omp simd reduction(| : fresh)
+  for (int k = 0; k < block->count; ++k) fresh |= block->flags[k];
+  return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
 }
 
 #define SDR_REAL double
 #define SDR_NAMED(name) name##_double
 #define SDR_SQRT sqrt
 #define SDR_SMALLEST 1e-200
-#define SDR_BUFFERED 0
+#define SDR_FMA SDR_FMA_double
+#define SDR_SUM(unit, sum, f) ((unit) * (sum) + (f))
 #define SDR_LENGTH_UNIT(body) ((void)(body), 1.0)
 #define SDR_PER_LENGTH_UNIT(body) ((void)(body), 1.0)
 #define SDR_FORCE_UNIT(body) ((void)(body), 1.0)
@@ -85,7 +150,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #undef SDR_NAMED
 #undef SDR_SQRT
 #undef SDR_SMALLEST
-#undef SDR_BUFFERED
+#undef SDR_FMA
 #undef SDR_LENGTH_UNIT
 #undef SDR_PER_LENGTH_UNIT
 #undef SDR_FORCE_UNIT
@@ -99,7 +164,7 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 #define SDR_NAMED(name) name##_float
 #define SDR_SQRT sqrtf
 #define SDR_SMALLEST 1e-30f
-#define SDR_BUFFERED 1
+#define SDR_FMA SDR_FMA_float
 #define SDR_LENGTH_UNIT(body) ((body)->length_unit)
 #define SDR_PER_LENGTH_UNIT(body) ((body)->per_length_unit)
 #define SDR_FORCE_UNIT(body) ((body)->force_unit)
@@ -111,6 +176,21 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
 
 /* ---- the reference tangent, for the stable step ---------------------------------------------- */
 
+/* f_i -= F, f_j += F, one side after the other, since a run along its own row overlaps itself. */
+SDR_INLINE void add_times(const int components, const sdr_block *block, double F[3][SDR_BLOCK],
+                          double *const f[3])
+{
+  for (int a = 0; a < components; ++a) {
+    double *const fi = f[a] + block->i, *const fj = f[a] + block->j;
+    const double *const force = F[a];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fi[k] -= force[k];
+#pragma omp simd
+    for (int k = 0; k < block->count; ++k) fj[k] += force[k];
+  }
+}
+
+/* Opposite sign of a force: K v = -df. */
 SDR_INLINE void reference_of_runs(const int components, const int each, const sdr_bond_body *body,
                                   int64_t first, int64_t end, double *const v[3],
                                   double *const f[3])
@@ -123,7 +203,7 @@ SDR_INLINE void reference_of_runs(const int components, const int each, const sd
     const double wij = class->weight_ij / cube, wji = class->weight_ji / cube;
     const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
-      const sdr_block b = block_at(components, body, run, start, v, f);
+      const sdr_block b = run_block(components, body, run, start, v);
 #pragma omp simd
       for (int k = 0; k < b.count; ++k) {
         double along = xx * (b.uj[0][k] - b.ui[0][k]);
@@ -135,10 +215,7 @@ SDR_INLINE void reference_of_runs(const int components, const int each, const sd
         if (components > 1) F[1][k] = stiffness * along * xy;
         if (components > 2) F[2][k] = stiffness * along * xz;
       }
-      /* Opposite sign of a force: K v = -df. */
-      for (int a = 0; a < components; ++a)
-        for (int k = 0; k < b.count; ++k) F[a][k] = -F[a][k];
-      add_block_double(components, body, &b, F);
+      add_times(components, &b, F, f);
     }
   }
 }
@@ -175,21 +252,14 @@ SDR_INLINE void energies_of_block(const int components, const int law, const int
                                   const int marked, const sdr_bond_body *body, const sdr_block *b,
                                   const sdr_bond_class *class, sdr_stripe_energies *sum)
 {
-  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double inverse = class->inverse_square;
+  const sdr_terms_double of = terms_of_double(body, class);
   const double wij = 0.5 * class->weight_ij * class->length;
   const double wji = 0.5 * class->weight_ji * class->length;
   const double ni = wij > 0.0 ? 1.0 : 0.0, nj = wji > 0.0 ? 1.0 : 0.0; /* bond present */
   double stored = 0.0, dissipated = 0.0, most = sum->max_damage, broken = 0.0;
 #pragma omp simd reduction(+ : stored, dissipated, broken) reduction(max : most)
   for (int k = 0; k < b->count; ++k) {
-    const double ex = b->uj[0][k] - b->ui[0][k];
-    const double ey = components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0;
-    const double ez = components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0;
-    double z = (2.0 * xx + ex) * ex;
-    if (components > 1) z += (2.0 * xy + ey) * ey;
-    if (components > 2) z += (2.0 * xz + ez) * ez;
-    const double s = stretch_of_double(z * inverse).s;
+    const double s = stretch_of_double(pair_elongation_double(components, &of, b, k)).s;
     const double hi = wij * (each ? b->ci_double[k] : body->stiffness);
     const double hj = wji * (each ? b->cj_double[k] : body->stiffness);
     const double qi = each ? b->qi_double[k] : body->threshold,
@@ -227,7 +297,7 @@ SDR_INLINE void energies_of_runs(const int components, const int law, const int 
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     const int marked = body->run_marked && body->run_marked[r];
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
-      const sdr_block block = block_at(components, body, run, start, u, NULL);
+      const sdr_block block = run_block(components, body, run, start, u);
       if (marked)
         energies_of_block(components, law, each, 1, body, &block, class, sum);
       else
@@ -244,20 +314,14 @@ SDR_INLINE void damage_of_block(const int components, const int law, const int e
                                 const sdr_bond_class *class, const double *vi, const double *vj,
                                 double F[3][SDR_BLOCK])
 {
-  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double inverse = class->inverse_square;
+  const sdr_terms_double of = terms_of_double(body, class);
   const double ni = class->weight_ij > 0.0 ? 1.0 : 0.0, nj = class->weight_ji > 0.0 ? 1.0 : 0.0;
 #pragma omp simd
   for (int k = 0; k < b->count; ++k) {
     double di = 0.0, dj = 0.0;
     if (law == SDR_LAW_VARIATIONAL) {
-      const double ex = b->uj[0][k] - b->ui[0][k];
-      const double ey = components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0;
-      const double ez = components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0;
-      double z = (2.0 * xx + ex) * ex;
-      if (components > 1) z += (2.0 * xy + ey) * ey;
-      if (components > 2) z += (2.0 * xz + ez) * ez;
-      const float grown = grown_stretch_double(1, b->stretch[k], stretch_of_double(z * inverse).s);
+      const double z = pair_elongation_double(components, &of, b, k);
+      const float grown = grown_stretch_double(1, b->stretch[k], stretch_of_double(z).s);
       const double kk = grown > 0.0f ? (double)grown * (double)grown : 0.0;
       const double cut = grown == SDR_STRETCH_CUT ? 1.0 : 0.0;
       di = kk / (kk + (each ? b->qi_double[k] : body->threshold)) + cut;
@@ -282,7 +346,7 @@ SDR_INLINE void damage_of_runs(const int components, const int law, const int ea
     const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];
     for (int32_t start = 0; start < run->length; start += SDR_BLOCK) {
-      const sdr_block b = block_at(components, body, run, start, u, NULL);
+      const sdr_block b = run_block(components, body, run, start, u);
       const int64_t i = run->i0 + start, j = run->j0 + start;
       damage_of_block(components, law, each, body, &b, class, volume + i, volume + j, F);
 #pragma omp simd
