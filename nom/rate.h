@@ -10,7 +10,8 @@
 
 /* L at all points: out holds 9 values a point, row-major, dv_a/dy_b at 3 a + b; what lies beyond
    the components is 0. y, v: `components` arrays of one value a point. SDR_RUN_FAILED names the
-   first point whose present configuration has collapsed or whose support is too small. */
+   first point whose present configuration has collapsed or whose support is too small; out then
+   holds the others'. */
 sdr_status sdr_rate_gradient(const sdr_support *support, sdr_influence influence,
                              const double *const y[3], const double *const v[3], double *out);
 
