@@ -60,12 +60,13 @@ double sdr_family_bond_weight(const sdr_families *families, const sdr_family *fa
   return b * bulk_correction(families, family, n);
 }
 
-/* Of both points' own factors, the mean. */
+/* Of both points' own factors, the mean; a point without a family has none, so the other's. */
 static double pair_correction(const sdr_families *families, int32_t i, int32_t j, const double n[3])
 {
   const size_t components = (size_t)families->points->components;
   const double *si = families->axial + components * (size_t)i;
-  const double *sj = families->axial + components * (size_t)j;
+  const double *sj =
+      sdr_has_family(families->points, j) ? families->axial + components * (size_t)j : si;
   double mean[3] = {0.0};
   for (size_t a = 0; a < components; ++a) mean[a] = 0.5 * (si[a] + sj[a]);
   return ellipsoid((int)components, mean, n);

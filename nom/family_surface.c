@@ -70,7 +70,8 @@ void sdr_axial_factors(const sdr_families *families, const sdr_family *family,
   }
 }
 
-/* sum[a] of point i += its half, and of j += the other half, of the bond i -> j. */
+/* sum[a] of point i += its half, and of j += the other half, of the bond i -> j. A point without a
+   family stands for one inside, whose half of the mirrored bond counts for i. */
 static void add_halves(const sdr_families *families, int32_t i, int32_t j, double *sum)
 {
   const sdr_points *points = families->points;
@@ -84,9 +85,10 @@ static void add_halves(const sdr_families *families, int32_t i, int32_t j, doubl
   const double length = sqrt(square);
   const double r = sdr_family_plain_weight(families, family, points->spacing[j], length) *
                    (families->how.state_based ? square : length) / promised(families, family);
+  const double half = sdr_has_family(points, j) ? 0.5 : 1.0;
   for (int a = 0; a < n; ++a) {
     const double share = xi[a] * xi[a] / square;
-    sum[(size_t)n * (size_t)i + (size_t)a] += 0.5 * r * share * share * points->volume[j];
+    sum[(size_t)n * (size_t)i + (size_t)a] += half * r * share * share * points->volume[j];
     sum[(size_t)n * (size_t)j + (size_t)a] += 0.5 * r * share * share * points->volume[i];
   }
 }

@@ -1,0 +1,208 @@
+/* every problem's figures beside their accepted ranges and the papers' values */
+#include "app/find_scene.h"
+#include "app/run.h"
+#include "app/rundata.h"
+#include "base/memory.h"
+#include "scene/yaml.h"
+#include "support/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What has come out so far. */
+typedef struct {
+  char directory[BENCH_PATH];
+  FILE *csv;
+  int runs, failed, figures, ranged, outside;
+} table;
+
+/* ---- one figure ------------------------------------------------------------------------------ */
+
+static void print_number(FILE *out, const char *format, double value, const char *without)
+{
+  if (isnan(value))
+    fputs(without, out);
+  else
+    fprintf(out, format, value);
+}
+
+static void print_range(double low, double high)
+{
+  char text[64] = "";
+  if (!isnan(low) && !isnan(high))
+    snprintf(text, sizeof text, "%.4g to %.4g", low, high);
+  else if (!isnan(low))
+    snprintf(text, sizeof text, "from %.4g", low);
+  else if (!isnan(high))
+    snprintf(text, sizeof text, "up to %.4g", high);
+  printf(" %-18s", text);
+}
+
+static double number_of(const sdr_rundata *data, const char *figure, const char *which)
+{
+  char key[2 * SDR_NAME_MAX];
+  snprintf(key, sizeof key, "figures.%s.%s", figure, which);
+  return sdr_rundata_number(data, key);
+}
+
+static void add_figure(table *t, const sdr_rundata *data, const sdr_scene *scene, const char *name)
+{
+  const double value = number_of(data, name, "value"), low = number_of(data, name, "low");
+  const double high = number_of(data, name, "high"), paper = number_of(data, name, "paper");
+  const int has_range = !isnan(low) || !isnan(high);
+  const int is_outside = has_range && (isnan(value) || value < low || value > high);
+  const char *verdict = !has_range ? "-" : is_outside ? "OUTSIDE" : "ok";
+  ++t->figures;
+  t->ranged += has_range;
+  t->outside += is_outside;
+  printf("%-18s %-28s %-20s ", scene->name, scene->variant, name);
+  print_number(stdout, "%-11.4g", value, "none       ");
+  print_range(low, high);
+  print_number(stdout, " %-9.4g", paper, "          ");
+  printf(" %s\n", verdict);
+  fprintf(t->csv, "%s,%s,%s", scene->name, scene->variant, name);
+  const double numbers[] = {value, low, high, paper};
+  for (int k = 0; k < 4; ++k) {
+    fputc(',', t->csv);
+    print_number(t->csv, "%.9g", numbers[k], "");
+  }
+  fprintf(t->csv, ",%s\n", verdict);
+}
+
+/* ---- one run --------------------------------------------------------------------------------- */
+
+static int is_figure(const sdr_scene *scene, const char *name)
+{
+  for (int k = 0; k < scene->figure_count; ++k)
+    if (strcmp(scene->figure[k].name, name) == 0) return 1;
+  return 0;
+}
+
+static sdr_status run_silently(const sdr_run_options *options)
+{
+  FILE *silent = fopen("/dev/null", "w");
+  const sdr_status status = sdr_run(options, silent ? silent : stderr);
+  if (silent) fclose(silent);
+  return status;
+}
+
+static sdr_status run_one(table *t, const char *path, const char *variant, sdr_scene *scene)
+{
+  char directory[BENCH_PATH + 3 * SDR_NAME_MAX];
+  sdr_rundata *data = NULL;
+  snprintf(directory, sizeof directory, "%s/%s%s%s", t->directory, scene->name,
+           variant[0] ? "-" : "", variant);
+  /* few frames: the figures do not need them */
+  const char *sets[] = {"output.snapshots=0"};
+  const sdr_run_options options = {.scene = path,
+                                   .variant = variant,
+                                   .directory = directory,
+                                   .set_count = 1,
+                                   .sets = sets,
+                                   .threads = 1, /* small problems */
+                                   .quiet = 1};
+  SDR_TRY(run_silently(&options));
+  SDR_TRY(sdr_rundata_open(directory, &data));
+  for (int k = 0; k < scene->figure_count; ++k) add_figure(t, data, scene, scene->figure[k].name);
+  for (int k = 0; k < scene->output.measure_count; ++k)
+    if (!is_figure(scene, scene->output.measure[k].name))
+      add_figure(t, data, scene, scene->output.measure[k].name);
+  sdr_rundata_destroy(&data);
+  return SDR_OK;
+}
+
+/* A run that fails is a line of the table too. Problems that measure nothing are for those who name
+   them. */
+static void try_one(table *t, const char *path, const char *variant, int is_named)
+{
+  sdr_scene *scene = NULL;
+  sdr_status status = sdr_scene_load(path, variant, 0, NULL, &scene);
+  if (status == SDR_OK && (is_named || scene->output.measure_count > 0)) {
+    const double from = bench_clock();
+    fprintf(stderr, "%s %s ... ", scene->name, variant);
+    status = run_one(t, path, variant, scene);
+    fprintf(stderr, "%.1f s\n", bench_clock() - from);
+    ++t->runs;
+  }
+  if (status != SDR_OK) {
+    printf("%-18s %-28s failed: %s\n", scene ? scene->name : path, variant, sdr_error_message());
+    ++t->failed;
+  }
+  fflush(stdout);
+  sdr_scene_destroy(&scene);
+}
+
+/* ---- variants and problems ------------------------------------------------------------------- */
+
+static sdr_status parse(const char *path, sdr_store *store, sdr_node **root)
+{
+  char *text;
+  size_t length;
+  SDR_TRY(sdr_yaml_read_file(path, &text, &length));
+  const sdr_status status = sdr_yaml_parse(store, text, length, path, root);
+  sdr_free(text);
+  return status;
+}
+
+static sdr_status try_problem(table *t, const char *name, int is_named)
+{
+  char path[SDR_SCENE_PATH];
+  sdr_node *root = NULL;
+  SDR_TRY(sdr_find_scene(name, path));
+  sdr_store *store = sdr_store_create();
+  sdr_status status = store ? parse(path, store, &root) : SDR_RUN_FAILED;
+  if (status == SDR_OK) {
+    const sdr_node *variants = root ? sdr_node_find(root, "variants") : NULL;
+    try_one(t, path, "", is_named);
+    for (const sdr_node *v = variants ? variants->first : NULL; v; v = v->next)
+      try_one(t, path, v->key, is_named);
+  }
+  sdr_store_destroy(&store);
+  return status;
+}
+
+/* The first words of the lines of `sunder problems`. */
+static sdr_status try_all(table *t)
+{
+  char *text = NULL, *rest = NULL;
+  size_t size = 0;
+  FILE *list = open_memstream(&text, &size);
+  if (!list) return sdr_fail(SDR_RUN_FAILED, "out of memory for the list of problems");
+  sdr_status status = sdr_list_problems(list);
+  fclose(list);
+  for (char *line = strtok_r(text, "\n", &rest); line && status == SDR_OK;
+       line = strtok_r(NULL, "\n", &rest)) {
+    line[strcspn(line, " \t")] = '\0';
+    status = try_problem(t, line, 0);
+  }
+  free(text);
+  return status;
+}
+
+static sdr_status make_table(table *t, int count, char **names)
+{
+  SDR_TRY(bench_directory("accuracy", t->directory));
+  SDR_TRY(bench_csv(t->directory, "accuracy", &t->csv));
+  fputs("problem,variant,figure,value,low,high,paper,verdict\n", t->csv);
+  printf("%-18s %-28s %-20s %-11s %-18s %-9s\n", "problem", "variant", "figure (SI)", "value",
+         "accepted", "paper");
+  sdr_status status = count > 0 ? SDR_OK : try_all(t);
+  for (int k = 0; k < count && status == SDR_OK; ++k) status = try_problem(t, names[k], 1);
+  if (fclose(t->csv) != 0 && status == SDR_OK)
+    status = sdr_fail(SDR_IO_ERROR, "%s: disk full", t->directory);
+  return status;
+}
+
+int main(int count, char **arguments)
+{
+  table t = {0};
+  if (make_table(&t, count - 1, arguments + 1) != SDR_OK) {
+    fprintf(stderr, "bench accuracy: %s\n", sdr_error_message());
+    return 1;
+  }
+  printf("\n%d runs (%d failed), %d figures, %d with a range, %d of them outside it\n"
+         "%s\ntable: %s/accuracy.csv\n",
+         t.runs, t.failed, t.figures, t.ranged, t.outside, bench_origin(), t.directory);
+  return t.failed > 0 || t.outside > 0;
+}
