@@ -121,19 +121,21 @@ static sdr_status make_ordinary(const parts *p, sdr_bonds *bonds, sdr_model **ou
   return sdr_ordinary_create(p->points, bonds, &how, out);
 }
 
-/* Each takes the bonds over. NULL: not in this version. */
+static sdr_status make_nonordinary(const parts *p, sdr_bonds *bonds, sdr_model **out)
+{
+  const sdr_state_based_how how = state_based_how(p);
+  return sdr_nonordinary_create(p->points, bonds, &how, out);
+}
+
+/* Each takes the bonds over. */
 typedef sdr_status (*maker)(const parts *p, sdr_bonds *bonds, sdr_model **out);
-static const maker makers[] = {
-    [SDR_BOND_BASED] = make_bond_based, [SDR_ORDINARY] = make_ordinary, [SDR_NONORDINARY] = NULL};
+static const maker makers[] = {[SDR_BOND_BASED] = make_bond_based,
+                               [SDR_ORDINARY] = make_ordinary,
+                               [SDR_NONORDINARY] = make_nonordinary};
 
 sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
                            sdr_families **families, sdr_model **model)
 {
-  if (!makers[scene->model])
-    return sdr_fail(SDR_BAD_INPUT,
-                    "%s: this model is not available in this version; available: bond_based, "
-                    "ordinary",
-                    sdr_origin_text(scene->material[0].origin));
   sdr_bonds *bonds = NULL;
   SDR_TRY(make_bonds(scene, points, families, &bonds));
   parts p = {.scene = scene, .points = points, .families = *families};

@@ -57,6 +57,9 @@ typedef struct {
   int shared_moduli;      /* 1: no coefficients a point */
   size_t history_bytes;
   double moved; /* share of the stripes that something has reached, in [0, 1] */
+  /* Non-ordinary bodies, else 0: P_s and P_n of the first point, Pa, and the largest ratio of
+     eigenvalues of a shape tensor. */
+  double control_shear, control_normal, condition;
 } sdr_model_traits;
 
 /* u and f: `components` arrays of points->count values. Unused components are NULL. */

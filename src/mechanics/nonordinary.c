@@ -270,6 +270,15 @@ static void destroy(sdr_model *model)
 static const sdr_state_hooks hooks = {
     .isa = isa, .split = split, .remake = remake, .book = sdr_nonordinary_book};
 
+static void traits(const sdr_model *model, sdr_model_traits *out)
+{
+  const sdr_nonordinary_model *own = (const sdr_nonordinary_model *)model;
+  sdr_state_traits(model, out);
+  out->control_shear = own->control_shear[0];
+  out->control_normal = own->control_normal[0];
+  out->condition = own->condition;
+}
+
 static const sdr_model_ops ops = {.name = "nonordinary",
                                   .force = force,
                                   .force_commit = force_commit,
@@ -283,7 +292,7 @@ static const sdr_model_ops ops = {.name = "nonordinary",
                                   .visit_hessian = sdr_nonordinary_visit_hessian,
                                   .mark = sdr_state_mark,
                                   .skip_rest = sdr_state_skip_rest,
-                                  .traits = sdr_state_traits,
+                                  .traits = traits,
                                   .state = state_blocks,
                                   .destroy = destroy};
 

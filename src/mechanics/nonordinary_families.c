@@ -3,7 +3,6 @@
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 #include "mechanics/nonordinary_internal.h"
-#include "mechanics/nonordinary_loop.h"
 #include "nom/weight.h"
 
 #include <math.h>
@@ -115,6 +114,15 @@ static int invert(sdr_nonordinary_model *model, int32_t i)
   return sound || condition == 0.0;
 }
 
+/* Of point i, from the inverse, which has the same ratio; 0 if it carries nothing. */
+static double condition_at(const sdr_nonordinary_model *model, int32_t i)
+{
+  const int n = model->state.head.points->components;
+  double k[6] = {0.0};
+  for (int e = 0; e < n * (n + 1) / 2; ++e) k[e] = model->body.inverse[e][i];
+  return condition_of(n, k);
+}
+
 static sdr_status singular(const sdr_points *points, int32_t i)
 {
   return sdr_fail(SDR_BAD_INPUT,
@@ -131,8 +139,11 @@ sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
   families_call call = {model, 0};
   for (int32_t i = 0; i < points->count; ++i) clear_moments(model, i);
   sdr_bonds_visit(model->state.bonds, points, add_family, &call);
-  for (int32_t i = 0; i < points->count; ++i)
+  model->condition = 0.0;
+  for (int32_t i = 0; i < points->count; ++i) {
     if (!invert(model, i) && !may_fail) return singular(points, i);
+    model->condition = fmax(model->condition, condition_at(model, i));
+  }
   return SDR_OK;
 }
 
@@ -238,29 +249,37 @@ static int counts(const book_call *call, const sdr_pair *pair, sdr_flags lost)
 static void gather_point(const sdr_nonordinary_model *model, int32_t i, const sdr_pair *pair,
                          double w, const double *eta)
 {
+  const sdr_nonordinary_body *body = &model->body;
   const int n = model->state.head.points->components;
-  const sdr_sums s = sums_at(n, &model->body, i);
-  const sdr_moments f = moments_of(n, pair->xi, pair->length, w);
-  double along = 0.0, square = 0.0;
+  double along = 0.0;
+  int kept = 0;
   for (int a = 0; a < n; ++a) {
     along += eta[a] * pair->xi[a] / pair->length;
-    square += eta[a] * eta[a];
-    for (int b = 0; b < n; ++b) *s.m[n * a + b] += f.m[b] * eta[a];
+    body->square[i] += w * eta[a] * eta[a];
+    for (int b = 0; b < n; ++b) body->gradient[n * a + b][i] += w * eta[a] * pair->xi[b];
   }
-  if (model->elasticity != SDR_LINEAR) return;
-  for (int a = 0; a < kept_of_normal(n); ++a) *s.q[a] += f.q[a] * along;
-  *s.square += w * square;
-  *s.along += w * (along * along);
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n && a < n - 1; ++b)
+      body->bearing[kept++][i] += w * along * pair->xi[a] * pair->xi[b] / pair->length;
+  body->along[i] += w * along * along;
 }
 
 /* Pass A2 for one point. */
 static void control_point(const sdr_nonordinary_model *model, int32_t i, const sdr_pair *pair,
                           double w, const double *eta)
 {
+  const sdr_nonordinary_body *body = &model->body;
   const int n = model->state.head.points->components;
-  const sdr_side side = side_at(n, &model->body, i);
-  const sdr_residual r = residual_of(n, side.g, 0, pair->xi, eta);
-  add_control(n, &r, 1.0 / r.square, w, pair->xi, side.s, side.square, side.along, 0);
+  double z[3], f[3], along = 0.0, square = 1e-300;
+  for (int a = 0; a < n; ++a) {
+    f[a] = pair->xi[a];
+    for (int b = 0; b < n; ++b) f[a] += body->gradient[n * a + b][i] * pair->xi[b];
+    z[a] = eta[a] + pair->xi[a] - f[a];
+    along += z[a] * f[a];
+    square += f[a] * f[a];
+    body->square[i] += w * z[a] * z[a];
+  }
+  body->along[i] += w * along * along / square;
 }
 
 static void each_end(const book_call *call, const sdr_pair *pair,

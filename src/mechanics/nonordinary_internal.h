@@ -23,6 +23,7 @@ typedef struct {
   double *lambda, *mu;   /* Pa, of the law */
   double *control_shear; /* Pa: P_s and P_n */
   double *control_normal;
+  double condition; /* largest ratio of eigenvalues of a shape tensor, before any bond breaks */
   double *reference_lambda, *reference_mu; /* Pa, of the law for small strains */
   double *limit;                           /* critical_stretch: s0 (2 + s0) */
   uint8_t *found, *found_loose;            /* a run, a chunk */

@@ -117,9 +117,7 @@ static void read_poisson(sdr_reading *rd, sdr_node *map, sdr_material *material)
 {
   const sdr_scene *scene = rd->scene;
   const int is_free = scene->model == SDR_BOND_BASED || scene->dimension == SDR_1D;
-  /* Incompressible plane stress has a finite plane modulus, if nothing needs the third strain. */
-  const int closed = scene->model == SDR_ORDINARY && scene->dimension == SDR_PLANE_STRESS;
-  sdr_read_number(rd->reader, map, "poisson", (sdr_quantity){SDR_PLAIN, -1, 0.5, 1, !closed},
+  sdr_read_number(rd->reader, map, "poisson", (sdr_quantity){SDR_PLAIN, -1, 0.5, 1, 1},
                   is_free ? SDR_OPTIONAL : NULL, &material->poisson);
 }
 
