@@ -1,7 +1,7 @@
 /* The linear static solution (theory sec. 7): one tangent K at u = 0, one factorisation. With the
    motion u = a + B q of supports and layers at the end of the run and the loads f there,
 
-     P^T K B q = P^T (f - K a),   R = K u - f at the components that are not free.
+     P^T K B q = P^T (f - K a),   R = K u - f at the prescribed components.
 
    The books take loads and prescribed motion as grown together from zero, so that the work done is
    half of what they do in the end. */
@@ -68,8 +68,12 @@ static sdr_status constrain(problem *p)
   SDR_TRY(sdr_supports_values(system->supports, system->time, system->motion));
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
     if (list[k].is_velocity && !isnan(system->motion[k])) return refuse_velocity(system, &list[k]);
-  return sdr_constraints_create(system->model->points, system->supports, system->motion, NULL,
-                                &p->constraints);
+  if (system->layers) {
+    SDR_TRY(sdr_layers_values(system->layers, system->time));
+    SDR_TRY(sdr_layers_slaves(system->layers, &p->slaves));
+  }
+  return sdr_constraints_create(system->model->points, system->supports, system->motion,
+                                system->layers ? &p->slaves : NULL, &p->constraints);
 }
 
 static sdr_status take_loads(problem *p)
@@ -122,7 +126,8 @@ static sdr_status set_up(problem *p)
   if (!p->load || !p->u || !p->force) return SDR_RUN_FAILED;
   const double from = wall();
   SDR_TRY(constrain(p));
-  SDR_TRY(sdr_rigid_held(p->system->model->points, p->constraints.prescribed));
+  if (!p->system->layers)
+    SDR_TRY(sdr_rigid_held(p->system->model->points, p->constraints.prescribed));
   SDR_TRY(take_loads(p));
   SDR_TRY(assemble(p));
   SDR_TRY(make_right_side(p));
@@ -218,7 +223,7 @@ static void show(problem *p)
   system->solve.nonlinearity = whole > 0.0 ? sqrt(apart / whole) : 0.0;
 }
 
-/* Reactions, and total forces with them in: zero but for rounding. */
+/* Total forces, zero but for rounding: the body's and its layers', the loads, the reactions. */
 static void balance(problem *p)
 {
   sdr_system *system = p->system;
@@ -227,30 +232,30 @@ static void balance(problem *p)
   for (int32_t i = 0; i < system->count; ++i)
     for (int a = 0; a < m; ++a) {
       system->v[a][i] = 0.0;
-      system->f[a][i] = p->load[i * m + a] - p->force[i * m + a];
+      system->f[a][i] = -p->force[i * m + a];
     }
+  if (system->layers) sdr_layers_pull(system->layers, system->f);
+  for (int32_t i = 0; i < system->count; ++i)
+    for (int a = 0; a < m; ++a) system->f[a][i] += p->load[i * m + a];
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k) {
     const int a = list[k].component;
     const int acts = !isnan(system->motion[k]);
     system->reaction[k] = acts ? -system->f[a][list[k].point] : 0.0;
     if (acts) system->f[a][list[k].point] = 0.0;
   }
-  for (int32_t k = 0; k < p->slaves.count; ++k) /* held by what their layer follows */
-    system->f[p->slaves.unknown[k] % m][p->slaves.unknown[k] / m] = 0.0;
 }
 
-/* Loads, and what holds the components that are not free, grown from zero. */
+/* Loads, and what holds the components that are not free, grown from zero: 1/2 (f + R).u. Layers
+   pull on free points too; with them it is 1/2 u.K u, what is left at free ones included. */
 static void book(problem *p)
 {
   const sdr_constraints *c = &p->constraints;
   double work = 0.0;
   int32_t next = 0; /* the next free unknown in c->unknown */
   for (int32_t k = 0; k < p->unknowns; ++k) {
-    work += p->load[k] * p->u[k];
-    if (next < c->free && c->unknown[next] == k)
-      ++next;
-    else
-      work += (p->force[k] - p->load[k]) * p->u[k];
+    const int is_free = next < c->free && c->unknown[next] == k;
+    next += is_free;
+    work += (is_free && p->slaves.count == 0 ? p->load[k] : p->force[k]) * p->u[k];
   }
   p->system->external_work += 0.5 * work;
 }

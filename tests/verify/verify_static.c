@@ -291,6 +291,57 @@ static void leapfrog_rests_in_the_static_solution(void **state)
   sdr_free(u);
 }
 
+/* ---- fictitious layers ----------------------------------------------------------------------- */
+
+/* Mirrors are planes of symmetry at two sides, a traction pulls at the others: uniform strain up to
+   every surface. The stiffness is not symmetric. */
+static void layers_carry_a_uniform_stress_up_to_the_surfaces(void **state)
+{
+  (void)state;
+  sdr_built run;
+  scene_build(&run, PLATE "supports:\n"
+                          "  - {on: left, layer: mirror, displacement: {x: 0}}\n"
+                          "  - {on: bottom, layer: mirror, displacement: {y: 1 um}}\n"
+                          "loads:\n"
+                          "  - traction: {on: right, layer: fictitious, value: [2 MPa, 0]}\n"
+                          "  - traction: {on: top, layer: fictitious, value: [0, 1 MPa]}\n"
+                          "family: {weight: iso}\n"
+                          "time: {integrator: static}\n");
+  solve(&run);
+  assert_string_equal(run.system->solve.name, "umfpack");
+  const double nu = 1.0 / 3.0, exx = (2e6 - nu * 1e6) / 70e9, eyy = (1e6 - nu * 2e6) / 70e9;
+  double worst = 0.0;
+  for (int32_t i = 0; i < run.points->count; ++i) {
+    worst = fmax(worst, fabs(run.system->u[0][i] - exx * run.points->x[0][i]));
+    worst = fmax(worst, fabs(run.system->u[1][i] - 1e-6 - eyy * run.points->x[1][i]));
+    for (int a = 0; a < 2; ++a) assert_near(run.system->f[a][i], 0.0, 1e-6);
+  }
+  assert_at_most(worst, 1e-10 * exx * 0.04);
+  /* points in the corner of two layers belong to one of them */
+  assert_near(sdr_layers_reaction(run.layers, 0, 0), -2e6 * 0.02, 0.03 * 2e6 * 0.02);
+  assert_near(sdr_layers_reaction(run.layers, 1, 1), -1e6 * 0.04, 0.03 * 1e6 * 0.04);
+  sdr_built_destroy(&run);
+}
+
+static void mirrors_that_stretch_a_plate_do_the_work_it_stores(void **state)
+{
+  (void)state;
+  sdr_built run;
+  sdr_balance balance;
+  scene_build(&run, PLATE "supports:\n"
+                          "  - {on: left, layer: mirror, displacement: {x: 0, y: 0}}\n"
+                          "  - {on: right, layer: mirror, displacement: {x: 1 nm, y: 0}}\n"
+                          "time: {integrator: static}\n");
+  solve(&run);
+  assert_string_equal(run.system->solve.name, "cholmod");
+  sdr_system_balance(run.system, &balance);
+  const double work = 0.5 * 1e-9 * sdr_layers_reaction(run.layers, 1, 0);
+  assert_true(work > 0.0);
+  assert_near(run.system->external_work, work, 1e-10 * work);
+  assert_near(balance_energy(&balance), work, 1e-6 * work);
+  sdr_built_destroy(&run);
+}
+
 /* ---- what has no solution -------------------------------------------------------------------- */
 
 static void check_failure(sdr_status status, const char *begins, const char *ends,
@@ -406,6 +457,8 @@ int main(void)
       cmocka_unit_test(work_and_energy_agree_as_strain_vanishes),
       cmocka_unit_test(prescribed_motion_does_the_work_of_its_reactions),
       cmocka_unit_test(leapfrog_rests_in_the_static_solution),
+      cmocka_unit_test(layers_carry_a_uniform_stress_up_to_the_surfaces),
+      cmocka_unit_test(mirrors_that_stretch_a_plate_do_the_work_it_stores),
       cmocka_unit_test(a_body_that_nothing_holds_is_refused),
       cmocka_unit_test(three_prescribed_components_hold_a_plate),
       cmocka_unit_test(a_part_that_is_cut_off_is_named_with_a_point_of_its_own),
