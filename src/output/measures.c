@@ -240,10 +240,12 @@ static void place_of(const sdr_points *points, int32_t i, double x[3])
   for (int c = 0; c < points->components; ++c) x[c] = points->x[c][i];
 }
 
+/* Points of fictitious layers are none of the body's. */
 static int is_meant(const sdr_scene *scene, const sdr_points *points, const sdr_measurement *what,
                     int32_t i)
 {
   double x[3] = {0.0};
+  if (!sdr_in_body(points, i)) return 0;
   place_of(points, i, x);
   return sdr_place_holds(scene, &what->on, x, points->spacing[i], points->spacing[i]);
 }

@@ -98,6 +98,24 @@ static void kinds_reduce_a_place_at_the_end(void **state)
   finish(&r);
 }
 
+static void points_of_layers_do_not_count(void **state)
+{
+  (void)state;
+  run r;
+  make_body(&r, 3);
+  uint8_t layer[3] = {0, 0, 1};
+  measure(&r, SDR_MEASURE_MAX, "displacement");
+  measure(&r, SDR_MEASURE_VALUE, "displacement")->at_point = 1;
+  r.what[1].point[0] = 2.0;
+  r.b.points->layer = layer;
+  assert_int_equal(start(&r), SDR_OK);
+  go(&r, 100, 100);
+  assert_true(value(&r, 0) == 102.0);
+  assert_true(value(&r, 1) == 102.0);
+  r.b.points->layer = NULL;
+  finish(&r);
+}
+
 static void errors_are_against_a_formula_of_place_and_time(void **state)
 {
   (void)state;
@@ -365,6 +383,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(kinds_reduce_a_place_at_the_end),
+      cmocka_unit_test(points_of_layers_do_not_count),
       cmocka_unit_test(errors_are_against_a_formula_of_place_and_time),
       cmocka_unit_test(a_series_is_summed_over_n),
       cmocka_unit_test(a_table_is_linear_between_its_rows),
