@@ -93,17 +93,20 @@ static void print_control(const sdr_built *built, FILE *out)
   fprintf(out, "  shape tensors     condition up to %.4g\n", traits->condition);
 }
 
-static void print_toughness(const sdr_built *built, const sdr_material *material, FILE *out)
+static void print_toughness(const sdr_built *built, const sdr_material *material, double bulk,
+                            double shear, FILE *out)
 {
   static const char *const splits[] = {"dilatation", "spectral"};
   const sdr_scene *scene = built->scene;
-  double ell, threshold;
-  sdr_state_constants(built->model, 0, &ell, &threshold);
+  const sdr_points *points = built->points;
+  const double ell = sdr_state_ell(points, &scene->damage.ell, 0);
   if (scene->damage.law == SDR_LAW_VARIATIONAL)
     fprintf(out, "  damage            ell %.5g m, Gc/ell %.5g J/m^3, split %s\n", ell,
             material->toughness / ell, splits[scene->split]);
   if (scene->damage.law == SDR_LAW_CRITICAL_STRETCH)
-    fprintf(out, "  %-17s %.4g\n", "stretch s0", sqrt(threshold));
+    fprintf(out, "  %-17s %.4g\n", "stretch s0",
+            sqrt(sdr_state_threshold(scene->dimension, bulk, shear, material->toughness,
+                                     points->horizon[0])));
 }
 
 static void print_state_based(const sdr_built *built, const sdr_material *material, FILE *out)
@@ -120,7 +123,7 @@ static void print_state_based(const sdr_built *built, const sdr_material *materi
     fprintf(out, "  form              %s\n", forms[scene->form]);
   else
     print_control(built, out);
-  print_toughness(built, material, out);
+  print_toughness(built, material, bulk, shear, out);
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */
