@@ -134,9 +134,9 @@ int main(int count, char **words)
 {
   char directory[BENCH_PATH];
   FILE *csv = NULL;
-  (void)words;
-  if (count > 1) {
-    fputs("usage: bench_models\n", stderr);
+  const char *const only = count > 1 ? words[1] : "";
+  if (count > 2) {
+    fputs("usage: bench_models [WORD of the body, like cube]\n", stderr);
     return SDR_BAD_INPUT;
   }
   sdr_set_threads(1);
@@ -151,6 +151,7 @@ int main(int count, char **words)
         ROUNDS, "body", "law", "split", "model", "ns", "ratio", "limit");
   }
   for (int k = 0; k < SHAPES && status == SDR_OK; ++k) {
+    if (!strstr(shapes[k].name, only)) continue;
     status = measure(&shapes[k], SDR_LAW_NONE, SDR_SPLIT_DILATATION, csv);
     for (int split = 0; split < 2 && status == SDR_OK; ++split)
       status = measure(&shapes[k], SDR_LAW_VARIATIONAL, (sdr_split)split, csv);

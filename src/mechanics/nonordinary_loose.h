@@ -5,152 +5,118 @@
 
 #include "mechanics/nonordinary_loop.h"
 
-#include <math.h>
-
-/* xi, eta and the weights of a lane's pair; a lost half weighs nothing. */
+/* xi, eta and the weights of the lanes' pairs; a lost half weighs nothing. */
 typedef struct {
-  double xi[3], eta[3], normal[3], length, wij, wji;
-} sdr_lane;
+  const int32_t *j;
+  sdr_lanes xi[3], eta[3], by_length, wi, wj;
+} sdr_loose_lanes;
 
-SDR_INLINE sdr_lane lane_at(const int n, const int marked, const sdr_nonordinary_body *body,
-                            int64_t i, int64_t slot, double *const u[3])
+SDR_INLINE void loose_lanes(const int n, const int marked, const sdr_nonordinary_body *body,
+                            int64_t i, int64_t slot, double *const u[3], sdr_loose_lanes *to)
 {
   const sdr_loose *loose = &body->bonds->loose;
-  const int64_t j = loose->j[slot];
-  sdr_lane lane = {.wij = loose->weight_ij[slot], .wji = loose->weight_ji[slot]};
-  double square = 0.0;
+  to->j = loose->j + slot;
+  to->wi = load_lanes(loose->weight_ij + slot, SDR_WIDTH);
+  to->wj = load_lanes(loose->weight_ji + slot, SDR_WIDTH);
+  sdr_lanes square = all_lanes(0.0);
   for (int a = 0; a < n; ++a) {
-    lane.xi[a] = loose->xi[a][slot];
-    lane.eta[a] = u[a][j] - u[a][i];
-    square += lane.xi[a] * lane.xi[a];
+    to->xi[a] = load_lanes(loose->xi[a] + slot, SDR_WIDTH);
+    to->eta[a] = gather_lanes(u[a], to->j) - load_lanes(u[a] + i, SDR_WIDTH);
+    square += to->xi[a] * to->xi[a];
   }
-  lane.length = sqrt(square);
-  for (int a = 0; a < n; ++a) lane.normal[a] = lane.xi[a] / lane.length;
-  if (marked) {
-    const sdr_flags flags = body->loose_flags[slot];
-    lane.wij = flags & SDR_LOST_I ? 0.0 : lane.wij;
-    lane.wji = flags & SDR_LOST_J ? 0.0 : lane.wji;
+  to->by_length = all_lanes(1.0) / root_lanes(square);
+  for (int l = 0; marked && l < SDR_WIDTH; ++l) {
+    const sdr_flags flags = body->loose_flags[slot + l];
+    if (flags & SDR_LOST_I) to->wi[l] = 0.0;
+    if (flags & SDR_LOST_J) to->wj[l] = 0.0;
   }
-  return lane;
 }
 
-/* ---- pass A ---------------------------------------------------------------------------------- */
-
-SDR_INLINE void gather_chunk(const int n, const int finite, const int sums, const int marked,
-                             const sdr_nonordinary_body *body, int64_t chunk, double *const u[3])
+SDR_INLINE void gather_column(const int n, const int finite, const int sums, const int marked,
+                              const sdr_nonordinary_body *body, int64_t i, int64_t slot,
+                              double *const u[3])
 {
-  const int64_t *const slot = body->bonds->loose.chunk_slot + chunk, point = chunk * SDR_LANES;
-  const sdr_sums s = sums_at(n, body, point);
-  for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES) {
-#pragma omp simd
-    for (int k = 0; k < SDR_LANES; ++k) {
-      const sdr_lane p = lane_at(n, marked, body, point + k, column + k, u);
-      const sdr_moments f = moments_of(n, p.xi, p.length, p.wij);
-      double along = 0.0, square = 0.0;
-      for (int a = 0; a < n; ++a) {
-        along += p.eta[a] * p.normal[a];
-        square += p.eta[a] * p.eta[a];
-        for (int b = 0; b < n; ++b) s.m[n * a + b][k] += f.m[b] * p.eta[a];
-      }
-      for (int a = 0; !finite && a < kept_of_normal(n); ++a) s.q[a][k] += f.q[a] * along;
-      if (sums && !finite) {
-        s.square[k] += f.w * square;
-        s.along[k] += f.w * (along * along);
-      }
-    }
-  }
+  sdr_loose_lanes p;
+  loose_lanes(n, marked, body, i, slot, u, &p);
+  add_moments(n, finite, sums, body, i, SDR_WIDTH, p.eta, p.xi, p.by_length, p.wi);
 }
+
+SDR_INLINE void control_column(const int n, const int marked, const sdr_nonordinary_body *body,
+                               int64_t i, int64_t slot, double *const u[3])
+{
+  sdr_loose_lanes p;
+  sdr_lanes g[9];
+  sdr_residual r;
+  loose_lanes(n, marked, body, i, slot, u, &p);
+  load_all(n * n, body->gradient, i, SDR_WIDTH, g);
+  residual_of(n, g, p.xi, p.eta, &r);
+  add_control(n, body, i, SDR_WIDTH, &r, all_lanes(1.0) / r.square, p.wi, p.xi);
+}
+
+/* bearing_at for the points index[lane]. */
+SDR_INLINE void gathered_bearing(const int n, const int finite, const sdr_nonordinary_body *body,
+                                 const int32_t *index, sdr_bearing *at)
+{
+  for (int k = 0; k < n * n; ++k) at->a[k] = gather_lanes(body->bearing[k], index);
+  for (int a = 0; a < n; ++a)
+    for (int b = finite ? 0 : a; b < n; ++b)
+      at->g[n * a + b] = gather_lanes(body->gradient[n * a + b], index);
+  at->soft = gather_lanes(body->soft, index);
+  at->stiff = gather_lanes(body->stiff, index);
+}
+
+SDR_INLINE void force_column(const int n, const int finite, const int marked,
+                             const sdr_nonordinary_body *body, int64_t i, int64_t slot,
+                             double *const u[3], double *const f[3])
+{
+  sdr_loose_lanes p;
+  sdr_bearing own, other;
+  sdr_lanes force[3];
+  loose_lanes(n, marked, body, i, slot, u, &p);
+  bearing_at(n, finite, body, i, SDR_WIDTH, &own);
+  gathered_bearing(n, finite, body, p.j, &other);
+  pair_force(n, finite, &own, &other, p.xi, p.eta, p.by_length, p.wi, p.wj, force);
+  for (int a = 0; a < n; ++a) add_lanes(f[a] + i, SDR_WIDTH, force[a]);
+}
+
+/* DO(marked, i, slot) for the points i and slots of all lanes of chunks [first, end). */
+#define SDR_ALL_CHUNKS(DO)                                                                         \
+  for (int64_t chunk = first; chunk < end; ++chunk) {                                              \
+    const int64_t *const column = body->bonds->loose.chunk_slot + chunk;                           \
+    for (int64_t at = column[0]; at < column[1]; at += SDR_LANES)                                  \
+      for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {                                    \
+        const int64_t i = chunk * SDR_LANES + lane, slot = at + lane;                              \
+        if (body->loose_flagged) {                                                                 \
+          DO(1)                                                                                    \
+        } else {                                                                                   \
+          DO(0)                                                                                    \
+        }                                                                                          \
+      }                                                                                            \
+  }
 
 SDR_INLINE void gather_chunks(const int n, const int finite, const int sums,
                               const sdr_nonordinary_body *body, int64_t first, int64_t end,
                               double *const u[3])
 {
-  for (int64_t chunk = first; chunk < end; ++chunk)
-    if (body->loose_flagged)
-      gather_chunk(n, finite, sums, 1, body, chunk, u);
-    else
-      gather_chunk(n, finite, sums, 0, body, chunk, u);
-}
-
-/* ---- pass A2 --------------------------------------------------------------------------------- */
-
-SDR_INLINE void control_chunk(const int n, const int marked, const sdr_nonordinary_body *body,
-                              int64_t chunk, double *const u[3])
-{
-  const int64_t *const slot = body->bonds->loose.chunk_slot + chunk, point = chunk * SDR_LANES;
-  const sdr_side side = side_at(n, body, point);
-  for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES) {
-#pragma omp simd
-    for (int k = 0; k < SDR_LANES; ++k) {
-      const sdr_lane p = lane_at(n, marked, body, point + k, column + k, u);
-      const sdr_residual r = residual_of(n, side.g, k, p.xi, p.eta);
-      add_control(n, &r, 1.0 / r.square, p.wij, p.xi, side.s, side.square, side.along, k);
-    }
-  }
+#define SDR_DO(marked) gather_column(n, finite, sums, marked, body, i, slot, u);
+  SDR_ALL_CHUNKS(SDR_DO)
+#undef SDR_DO
 }
 
 SDR_INLINE void control_chunks(const int n, const sdr_nonordinary_body *body, int64_t first,
                                int64_t end, double *const u[3])
 {
-  for (int64_t chunk = first; chunk < end; ++chunk)
-    if (body->loose_flagged)
-      control_chunk(n, 1, body, chunk, u);
-    else
-      control_chunk(n, 0, body, chunk, u);
-}
-
-/* ---- pass B ---------------------------------------------------------------------------------- */
-
-/* Force per W of the directed state of point k of `at`. */
-SDR_INLINE void state_of(const int n, const int finite, const sdr_bearing *at, int64_t k,
-                         const sdr_lane *p, double *force)
-{
-  for (int a = 0; a < n; ++a) {
-    force[a] = at->soft[k] * p->eta[a];
-    for (int b = 0; b < n; ++b) force[a] += at->a[n * a + b][k] * p->xi[b];
-  }
-  if (finite) {
-    const sdr_residual r = residual_of(n, at->g, k, p->xi, p->eta);
-    const double c = at->stiff[k] * (r.along / r.square);
-    for (int a = 0; a < n; ++a) force[a] += c * r.f[a];
-  } else {
-    double along = 0.0;
-    for (int a = 0; a < n; ++a) along += p->eta[a] * p->normal[a];
-    const double c = normal_of_linear(n, at, k, along, p->xi, p->normal);
-    for (int a = 0; a < n; ++a) force[a] += c * p->normal[a];
-  }
-}
-
-SDR_INLINE void force_chunk(const int n, const int finite, const int marked,
-                            const sdr_nonordinary_body *body, int64_t chunk, double *const u[3],
-                            double *const f[3])
-{
-  const int64_t *const slot = body->bonds->loose.chunk_slot + chunk, point = chunk * SDR_LANES;
-  const sdr_bearing all = bearing_at(n, body, 0);
-  const int32_t *const neighbour = body->bonds->loose.j;
-  _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
-  for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES) {
-#pragma omp simd
-    for (int k = 0; k < SDR_LANES; ++k) {
-      const sdr_lane p = lane_at(n, marked, body, point + k, column + k, u);
-      double own[3], other[3];
-      state_of(n, finite, &all, point + k, &p, own);
-      state_of(n, finite, &all, neighbour[column + k], &p, other);
-      for (int a = 0; a < n; ++a) sum[a][k] += p.wij * own[a] + p.wji * other[a];
-    }
-  }
-  for (int a = 0; a < n; ++a)
-    for (int k = 0; k < SDR_LANES; ++k) f[a][point + k] += sum[a][k];
+#define SDR_DO(marked) control_column(n, marked, body, i, slot, u);
+  SDR_ALL_CHUNKS(SDR_DO)
+#undef SDR_DO
 }
 
 SDR_INLINE void force_chunks(const int n, const int finite, const sdr_nonordinary_body *body,
                              int64_t first, int64_t end, double *const u[3], double *const f[3])
 {
-  for (int64_t chunk = first; chunk < end; ++chunk)
-    if (body->loose_flagged)
-      force_chunk(n, finite, 1, body, chunk, u, f);
-    else
-      force_chunk(n, finite, 0, body, chunk, u, f);
+#define SDR_DO(marked) force_column(n, finite, marked, body, i, slot, u, f);
+  SDR_ALL_CHUNKS(SDR_DO)
+#undef SDR_DO
 }
 
 /* ---- bonds that break ------------------------------------------------------------------------ */
@@ -159,23 +125,22 @@ SDR_INLINE void find_chunks(const int n, const sdr_nonordinary_body *body, int64
                             int64_t end, double *const u[3], const double *limit, uint8_t *found)
 {
   for (int64_t chunk = first; chunk < end; ++chunk) {
-    const int64_t *const slot = body->bonds->loose.chunk_slot + chunk;
-    const int64_t point = chunk * SDR_LANES;
+    const int64_t *const column = body->bonds->loose.chunk_slot + chunk;
     int any = 0;
-    for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES) {
-#pragma omp simd reduction(| : any)
-      for (int k = 0; k < SDR_LANES; ++k) {
-        const sdr_lane p = lane_at(n, 0, body, point + k, column + k, u);
-        const sdr_flags flags = body->loose_flags[column + k];
-        double z = 0.0;
+    for (int64_t at = column[0]; at < column[1]; at += SDR_LANES)
+      for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
+        const int64_t i = chunk * SDR_LANES + lane;
+        sdr_loose_lanes p;
+        loose_lanes(n, 0, body, i, at + lane, u, &p);
+        sdr_lanes z = all_lanes(0.0);
         for (int a = 0; a < n; ++a) z += (2.0 * p.xi[a] + p.eta[a]) * p.eta[a];
-        z /= p.length * p.length;
-        const int over_i = flags & (SDR_LOST_I | SDR_PROTECTED) ? 0 : z > limit[point + k];
-        const int over_j =
-            flags & (SDR_LOST_J | SDR_PROTECTED) ? 0 : z > limit[body->bonds->loose.j[column + k]];
-        any |= over_i | over_j;
+        z *= p.by_length * p.by_length;
+        for (int l = 0; l < SDR_WIDTH; ++l) {
+          const sdr_flags flags = body->loose_flags[at + lane + l];
+          any |= !(flags & (SDR_LOST_I | SDR_PROTECTED)) && z[l] > limit[i + l];
+          any |= !(flags & (SDR_LOST_J | SDR_PROTECTED)) && z[l] > limit[p.j[l]];
+        }
       }
-    }
     found[chunk] = (uint8_t)any;
   }
 }

@@ -7,7 +7,6 @@
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 #include "mechanics/nonordinary_internal.h"
-#include "mechanics/nonordinary_loop.h"
 
 #include <string.h>
 

@@ -245,14 +245,21 @@ static inline void plain_state(const plain_body *plain, int32_t i, double *const
   sdr_stress_of(n, of->how.elasticity, split, &moduli, at->g, &at->stress);
 }
 
+/* ell of the point, as the body has it. */
+static inline double plain_ell(const plain_body *plain, int32_t i)
+{
+  double ell, threshold;
+  sdr_state_constants(plain->of->shape.model, i, &ell, &threshold);
+  return ell;
+}
+
 /* Damage at a state whose psi+ is `plus`. */
 static inline double plain_damage(const plain_body *plain, int32_t i, double plus)
 {
   const nonordinary *of = plain->of;
   if (of->how.shape.law != SDR_LAW_VARIATIONAL) return 0.0;
   const double h = fmax(plain->history[i], plus);
-  const double cost = of->toughness[of->shape.points->material[i]] /
-                      sdr_state_ell(of->shape.points, &of->how.ell, i);
+  const double cost = of->toughness[of->shape.points->material[i]] / plain_ell(plain, i);
   return h / (h + cost);
 }
 
@@ -301,8 +308,8 @@ static inline void plain_force(plain_body *plain, double *const u[3], double *co
     plain_add_force(plain, i, &at, intact, u, f);
     energies->stored += points->volume[i] * (intact * plus + at.stress.minus);
     if (of->how.shape.law != SDR_LAW_VARIATIONAL) continue;
-    energies->dissipated += points->volume[i] * d * d * of->toughness[points->material[i]] /
-                            sdr_state_ell(points, &of->how.ell, i);
+    energies->dissipated +=
+        points->volume[i] * d * d * of->toughness[points->material[i]] / plain_ell(plain, i);
     if (commit) plain->history[i] = fmax(plain->history[i], plus);
   }
 }
