@@ -302,6 +302,12 @@ static sdr_status alloc_arrays(sdr_ordinary *o)
   if (!(o->lost = sdr_alloc(padded, sizeof(double)))) return SDR_RUN_FAILED;
   for (int k = 0; k < SDR_ORDINARY_BOOKS; ++k)
     if (!(o->book[k] = sdr_alloc(padded, sizeof(double)))) return SDR_RUN_FAILED;
+  return SDR_OK;
+}
+
+static sdr_status set_threshold(sdr_ordinary *o, const double *toughness)
+{
+  SDR_TRY(sdr_ordinary_set_threshold(o, toughness));
   o->weakest = INFINITY;
   for (int32_t i = 0; i < o->body.head.points->count; ++i)
     o->weakest = fmin(o->weakest, o->body.threshold[i]);
@@ -317,7 +323,7 @@ static const sdr_ordinary_kernels *best_kernels(void)
   return &sdr_ordinary_kernels_baseline;
 }
 
-static sdr_status set_up(sdr_ordinary *o)
+static sdr_status set_up(sdr_ordinary *o, const sdr_state_based_how *how)
 {
   const sdr_dimension dimension = o->body.dimension;
   if (o->form == SDR_FORM_MADENCI_OTERKUS && sdr_components(dimension) != 2)
@@ -325,6 +331,7 @@ static sdr_status set_up(sdr_ordinary *o)
                                    "plane_strain only; leave it out to take the standard form");
   SDR_TRY(set_classes(o));
   SDR_TRY(alloc_arrays(o));
+  if (how->law == SDR_LAW_CRITICAL_STRETCH) SDR_TRY(set_threshold(o, how->toughness));
   return remake(&o->body);
 }
 
@@ -339,7 +346,7 @@ sdr_status sdr_ordinary_create(const sdr_points *points, sdr_bonds *bonds,
   o->kernels = best_kernels();
   o->form = how->form;
   sdr_status status = sdr_state_body_init(&o->body, &ops, &hooks, points, bonds, how);
-  if (status == SDR_OK) status = set_up(o);
+  if (status == SDR_OK) status = set_up(o, how);
   if (status != SDR_OK) {
     destroy(&o->body.head);
     return status;

@@ -19,6 +19,10 @@ static inline double sdr_ordinary_q(const sdr_ordinary *o, const sdr_pair *pair,
   return weight * pair->length * (o->form == SDR_FORM_MADENCI_OTERKUS ? 1.0 : pair->length);
 }
 
+/* s0^2 of every point, such that a plane cut takes Gc (J/m^2, a material index), as nearly as can
+   be for cuts in any direction. */
+sdr_status sdr_ordinary_set_threshold(sdr_ordinary *o, const double *toughness);
+
 /* Parts of the model in their own files. */
 void sdr_ordinary_book(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
 sdr_status sdr_ordinary_field(sdr_model *model, double *const u[3], sdr_model_field which,

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
+#include "mechanics/state_cut.h"
 
 #include <math.h>
 #include <string.h>
@@ -60,6 +61,13 @@ double sdr_state_ell(const sdr_points *points, const sdr_length *given, int32_t 
   return 2.0 * spacing * floor(horizon / spacing * (1.0 + 1e-9));
 }
 
+void sdr_state_constants(const sdr_model *model, int32_t i, double *ell, double *threshold)
+{
+  const sdr_state_body *body = (const sdr_state_body *)model;
+  *ell = body->ell ? body->ell[i] : (double)NAN;
+  *threshold = body->threshold ? body->threshold[i] : (double)NAN;
+}
+
 /* ---- creation -------------------------------------------------------------------------------- */
 
 static sdr_status check_constants(const sdr_points *points, const sdr_state_based_how *how)
@@ -85,6 +93,8 @@ static sdr_status set_constants(sdr_state_body *body, const sdr_state_based_how 
   const sdr_points *points = body->head.points;
   const int variational = body->law == SDR_LAW_VARIATIONAL;
   const int critical = body->law == SDR_LAW_CRITICAL_STRETCH;
+  const int banded = variational && points->irregular && !(how->ell.value > 0.0);
+  const double reach = banded ? sdr_cut_reach(points, body->bonds) : 1.0;
   SDR_TRY(alloc_points(&body->bulk, points));
   SDR_TRY(alloc_points(&body->shear, points));
   if (variational) SDR_TRY(alloc_points(&body->ell, points));
@@ -96,7 +106,7 @@ static sdr_status set_constants(sdr_state_body *body, const sdr_state_based_how 
     body->bulk[i] = sdr_state_bulk(how->dimension, how->young[i], nu);
     body->shear[i] = sdr_state_shear(how->dimension, how->young[i], nu);
     if (variational) {
-      body->ell[i] = sdr_state_ell(points, &how->ell, i);
+      body->ell[i] = reach * sdr_state_ell(points, &how->ell, i);
       body->softness[i] = body->ell[i] / how->toughness[material];
     }
     if (critical)

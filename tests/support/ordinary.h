@@ -261,10 +261,7 @@ static inline void plain_commit(plain *r, double *const u[3])
   }
   char *broken = sdr_alloc(count * count, 1);
   for (int32_t i = 0; i < points->count && r->how->body.law == SDR_LAW_CRITICAL_STRETCH; ++i) {
-    const plain_point p = plain_point_at(r, u, i);
-    const double s0 =
-        sdr_state_threshold(r->how->body.dimension, (double)p.bulk, (double)p.shear,
-                            r->body->toughness[points->material[i]], points->horizon[i]);
+    const double s0 = ((const sdr_state_body *)r->body->model)->threshold[i];
     for (int32_t j = 0; j < points->count; ++j) {
       const plain_bond at = plain_bond_at(r, u, i, j);
       const size_t slot = (size_t)i * count + (size_t)j;
