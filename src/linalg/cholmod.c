@@ -167,7 +167,7 @@ static sdr_status judge(const state *s, sdr_matrix_kind kind, const sdr_csr *a,
 static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
                          sdr_solver_report *report)
 {
-  SDR_TRY(prepare(kind, a, out));
+  if (!*out) SDR_TRY(prepare(kind, a, out));
   state *s = *out;
   report->nonzeros = s->common.lnz;
   report->flops = s->common.fl;
@@ -194,18 +194,13 @@ static sdr_status solve(void *given, const double *b, double *x, sdr_solver_repo
   return SDR_OK;
 }
 
-sdr_status sdr_cholmod_cost(const sdr_csr *matrix, double *flops, double *nonzeros)
+sdr_status sdr_cholmod_analyse(const sdr_csr *matrix, void **out, double *flops, double *nonzeros)
 {
-  void *given = NULL;
-  *flops = *nonzeros = 0.0;
-  if (matrix->rows == 0) return SDR_OK;
-  const sdr_status status = prepare(SDR_MATRIX_POSITIVE, matrix, &given);
-  if (status == SDR_OK) {
-    *flops = ((state *)given)->common.fl;
-    *nonzeros = ((state *)given)->common.lnz;
-  }
-  if (given) destroy(given);
-  return status;
+  SDR_TRY(prepare(SDR_MATRIX_POSITIVE, matrix, out));
+  const state *s = *out;
+  *flops = s->common.fl;
+  *nonzeros = s->common.lnz;
+  return SDR_OK;
 }
 
 const sdr_solver_ops sdr_solver_cholmod = {.name = "cholmod",

@@ -34,15 +34,19 @@ static const sdr_solver_ops *find(const char *name)
 /* Iterate where a factor would take far longer than some 300 products, or more than 8 GB: at
    1.5e10 flops a second, and 1e9 for products that stream the matrix. So 3-D bodies from some
    10,000 points on, 2-D ones beyond a million. */
-static sdr_status choose(sdr_matrix_kind kind, const sdr_csr *matrix, const sdr_solver_ops **out)
+static sdr_status choose(sdr_solver *solver, const sdr_csr *matrix)
 {
   double flops = 0.0, nonzeros = 0.0;
-  *out = &sdr_solver_umfpack;
-  if (kind != SDR_MATRIX_POSITIVE) return SDR_OK;
-  SDR_TRY(sdr_cholmod_cost(matrix, &flops, &nonzeros));
+  solver->ops = &sdr_solver_umfpack;
+  if (solver->kind != SDR_MATRIX_POSITIVE) return SDR_OK;
+  solver->ops = &sdr_solver_cholmod;
+  if (matrix->rows == 0) return SDR_OK;
+  SDR_TRY(sdr_cholmod_analyse(matrix, &solver->state, &flops, &nonzeros));
   const double products = 600.0 * (double)matrix->row[matrix->rows] / 1e9;
-  const int iterate = flops / 1.5e10 > 2.0 + products || 8.0 * nonzeros > 8e9;
-  *out = iterate ? &sdr_solver_pcg : &sdr_solver_cholmod;
+  if (flops / 1.5e10 <= 2.0 + products && 8.0 * nonzeros <= 8e9) return SDR_OK;
+  solver->ops->destroy(solver->state);
+  solver->state = NULL;
+  solver->ops = &sdr_solver_pcg;
   return SDR_OK;
 }
 
@@ -104,7 +108,7 @@ sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
   limit_threads();
   drop_state(solver);
   const size_t rows = (size_t)matrix->rows;
-  if (solver->automatic) SDR_TRY(choose(solver->kind, matrix, &solver->ops));
+  if (solver->automatic) SDR_TRY(choose(solver, matrix));
   solver->report.name = solver->ops->name;
   solver->report.singular_row = -1;
   solver->residual = sdr_alloc(rows, sizeof(double));

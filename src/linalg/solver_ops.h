@@ -10,8 +10,8 @@ typedef struct {
   const char *name;
   int direct;   /* 1: a residual may be cut by solving again */
   int takes[3]; /* by sdr_matrix_kind */
-  /* Factor A into a new *state, which is written also on failure if there is something to destroy.
-     report: bytes, nonzeros, flops, singular_row. */
+  /* Factor A into a new *state (cholmod: or one that was analysed), which is written also on
+     failure if there is something to destroy. report: bytes, nonzeros, flops, singular_row. */
   sdr_status (*factor)(sdr_matrix_kind kind, const sdr_csr *matrix, void **state,
                        sdr_solver_report *report);
   sdr_status (*solve)(void *state, const double *b, double *x, sdr_solver_report *report);
@@ -51,7 +51,9 @@ void sdr_csr_groups_destroy(sdr_csr_groups *groups);
    order[k] becomes the k-th. */
 sdr_status sdr_csr_dissect(const sdr_csr *matrix, int64_t *order);
 
-/* The flops and nonzeros that CHOLMOD would need to factor a symmetric matrix. */
-sdr_status sdr_cholmod_cost(const sdr_csr *matrix, double *flops, double *nonzeros);
+/* What CHOLMOD would need to factor a positive definite matrix, from its analysis;
+   sdr_solver_cholmod goes on from *state, or destroys it. */
+sdr_status sdr_cholmod_analyse(const sdr_csr *matrix, void **state, double *flops,
+                               double *nonzeros);
 
 #endif
