@@ -93,20 +93,26 @@ static void print_control(const sdr_built *built, FILE *out)
   fprintf(out, "  shape tensors     condition up to %.4g\n", traits->condition);
 }
 
-static void print_toughness(const sdr_built *built, const sdr_material *material, double bulk,
-                            double shear, FILE *out)
+/* The first point of a material; 0 if it has none. */
+static int32_t first_point(const sdr_points *points, int material)
+{
+  for (int32_t i = 0; i < points->count; ++i)
+    if (points->material[i] == material) return i;
+  return 0;
+}
+
+static void print_toughness(const sdr_built *built, const sdr_material *material, FILE *out)
 {
   static const char *const splits[] = {"dilatation", "spectral"};
   const sdr_scene *scene = built->scene;
-  const sdr_points *points = built->points;
-  const double ell = sdr_state_ell(points, &scene->damage.ell, 0);
+  double ell, threshold;
+  const int32_t i = first_point(built->points, (int)(material - scene->material));
+  sdr_state_constants(built->model, i, &ell, &threshold);
   if (scene->damage.law == SDR_LAW_VARIATIONAL)
     fprintf(out, "  damage            ell %.5g m, Gc/ell %.5g J/m^3, split %s\n", ell,
             material->toughness / ell, splits[scene->split]);
   if (scene->damage.law == SDR_LAW_CRITICAL_STRETCH)
-    fprintf(out, "  %-17s %.4g\n", "stretch s0",
-            sqrt(sdr_state_threshold(scene->dimension, bulk, shear, material->toughness,
-                                     points->horizon[0])));
+    fprintf(out, "  %-17s %.4g\n", "stretch s0", sqrt(threshold));
 }
 
 static void print_state_based(const sdr_built *built, const sdr_material *material, FILE *out)
@@ -123,7 +129,7 @@ static void print_state_based(const sdr_built *built, const sdr_material *materi
     fprintf(out, "  form              %s\n", forms[scene->form]);
   else
     print_control(built, out);
-  print_toughness(built, material, bulk, shear, out);
+  print_toughness(built, material, out);
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */
