@@ -1,79 +1,28 @@
-/* what the state-based models cost beside the bond-based one */
-#include "base/memory.h"
+/* What state-based bodies cost beside bond-based ones: one body, one law, steps of leapfrog of all
+   models in turn, so that what disturbs the machine disturbs all alike. One core. Prints a table
+   and writes it as CSV; --quick: a smaller body. */
 #include "base/parallel.h"
-#include "mechanics/state_based.h"
+#include "mechanics/isa.h"
 #include "support/body.h"
 #include "support/report.h"
+#include "time/integrator.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* One line a model that is measured: name, non-ordinary or not, law of elasticity, and the most
-   that it may cost over the bond-based model. */
-typedef struct {
-  const char *name;
-  int nonordinary;
-  sdr_elasticity elasticity;
-  double limit;
-} entry;
-static const entry entries[] = {{"ordinary", 0, SDR_LINEAR, 2.5},
-                                {"nonordinary, linear", 1, SDR_LINEAR, 4.0},
-                                {"nonordinary, SVK", 1, SDR_SAINT_VENANT_KIRCHHOFF, 4.0},
-                                {"nonordinary, neo-Hookean", 1, SDR_NEO_HOOKEAN, 4.0}};
-enum { ENTRIES = sizeof entries / sizeof *entries, ROUNDS = 9, MODELS = ENTRIES + 1 };
+enum { MODELS = 3, LAWS = 3, ROUNDS = 9 };
+
+static const char *const model_name[MODELS] = {"bond_based", "ordinary", "nonordinary"};
+static const char *const law_name[LAWS] = {"none", "variational", "critical_stretch"};
+/* What the project holds them to, over the bond-based cost. */
+static const double limit[MODELS] = {1.0, 2.5, 4.0};
 
 typedef struct {
-  const char *name;
-  bench_how how;
-} shape;
-static const shape shapes[] = {{"ring, 2-D", {.dimension = 2, .spacing = 0.5e-3}},
-                               {"ring, 2-D, loose", {.dimension = 2, .spacing = 1e-3, .loose = 1}},
-                               {"cube, 3-D", {.dimension = 3, .edge = 36}}};
-enum { SHAPES = sizeof shapes / sizeof *shapes };
-static const char *const law_names[] = {"none", "variational", "critical_stretch"};
-
-static sdr_status make_model(const bench_body *body, const bench_how *how, const entry *e,
-                             sdr_split split, sdr_model **out)
-{
-  static const double poisson[1] = {1.0 / 3.0}, toughness[1] = {2e4};
-  const sdr_bonds_how bonds_how = {.force_loose = how->loose};
-  sdr_bonds *bonds;
-  double *young = sdr_alloc(sdr_points_padded(body->points), sizeof *young);
-  if (!young) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < body->points->count; ++i) young[i] = 210e9;
-  sdr_status status = sdr_bonds_create(body->points, &bonds_how, &bonds);
-  const sdr_state_based_how model_how = {.dimension =
-                                             how->dimension == 3 ? SDR_3D : SDR_PLANE_STRESS,
-                                         .law = how->law,
-                                         .elasticity = e->elasticity,
-                                         .split = split,
-                                         .control_shear = (double)NAN,
-                                         .control_normal = (double)NAN,
-                                         .young = young,
-                                         .poisson = poisson,
-                                         .toughness = toughness};
-  if (status == SDR_OK)
-    status = (e->nonordinary ? sdr_nonordinary_create : sdr_ordinary_create)(body->points, bonds,
-                                                                             &model_how, out);
-  sdr_free(young);
-  return status;
-}
-
-static double seconds_a_bond(sdr_model *model, const bench_body *body, int steps)
-{
-  const double from = bench_processor_clock();
-  for (int k = 0; k < steps; ++k)
-    model->ops->force_commit(model, body->system->u, body->system->v, body->step, body->system->f);
-  return (bench_processor_clock() - from) / steps / (double)model->bonds;
-}
-
-static double least(const double values[ROUNDS])
-{
-  double found = values[0];
-  for (int k = 1; k < ROUNDS; ++k) found = fmin(found, values[k]);
-  return found;
-}
+  double least[MODELS], median[MODELS]; /* ns a directed bond and step */
+  double ratio[MODELS]; /* median over rounds of the cost over the bond-based one of the round */
+  int64_t bonds;
+} row;
 
 static int by_size(const void *a, const void *b)
 {
@@ -81,88 +30,102 @@ static int by_size(const void *a, const void *b)
   return (left > right) - (left < right);
 }
 
-/* Median over the rounds of the quotient: both were measured one after the other. */
-static double ratio(const double values[ROUNDS], const double base[ROUNDS])
+static double middle(double values[ROUNDS])
 {
-  double quotient[ROUNDS];
-  for (int k = 0; k < ROUNDS; ++k) quotient[k] = values[k] / base[k];
-  qsort(quotient, ROUNDS, sizeof *quotient, by_size);
-  return quotient[ROUNDS / 2];
+  qsort(values, ROUNDS, sizeof(double), by_size);
+  return values[ROUNDS / 2];
 }
 
-static void print_case(const shape *s, sdr_law law, sdr_split split, double seconds[MODELS][ROUNDS],
-                       FILE *csv)
+static sdr_status time_steps(bench_body *body, int steps, double *seconds)
 {
-  const char *split_name = split == SDR_SPLIT_SPECTRAL ? "spectral" : "dilatation";
-  for (int k = 0; k < MODELS; ++k) {
-    const char *name = k == 0 ? "bond_based" : entries[k - 1].name;
-    const double ns = least(seconds[k]) * 1e9, times = ratio(seconds[k], seconds[0]);
-    const double limit = k == 0 ? 1.0 : entries[k - 1].limit;
-    printf("  %-17s %-16s %-10s %-25s %7.2f %7.2f %6.1f %s\n", s->name, law_names[law],
-           law == SDR_LAW_VARIATIONAL ? split_name : "", name, ns, times, limit,
-           k > 0 && times > limit ? "above" : "");
-    fprintf(csv, "\"%s\",%s,%s,\"%s\",%.4f,%.4f,%.1f\n", s->name, law_names[law],
-            law == SDR_LAW_VARIATIONAL ? split_name : "", name, ns, times, limit);
+  const double from = bench_processor_clock();
+  for (int k = 0; k < steps; ++k) SDR_TRY(sdr_leapfrog.step(body->system, body->step));
+  *seconds = (bench_processor_clock() - from) / steps;
+  return SDR_OK;
+}
+
+static sdr_status measure(bench_body body[MODELS], row *out)
+{
+  double cost[MODELS][ROUNDS], ratio[MODELS][ROUNDS];
+  int steps[MODELS];
+  for (int m = 0; m < MODELS; ++m) {
+    double seconds;
+    SDR_TRY(time_steps(&body[m], 2, &seconds));
+    steps[m] = (int)fmin(50.0, fmax(2.0, ceil(0.03 / seconds)));
   }
+  out->bonds = body[0].model->bonds;
+  for (int round = 0; round < ROUNDS; ++round)
+    for (int m = 0; m < MODELS; ++m) {
+      SDR_TRY(time_steps(&body[m], steps[m], &cost[m][round]));
+      cost[m][round] *= 1e9 / (double)out->bonds;
+      ratio[m][round] = cost[m][round] / cost[0][round];
+    }
+  for (int m = 0; m < MODELS; ++m) {
+    out->median[m] = middle(cost[m]);
+    out->least[m] = cost[m][0];
+    out->ratio[m] = middle(ratio[m]);
+  }
+  return SDR_OK;
 }
 
-/* All models on one body, turn by turn. */
-static sdr_status measure(const shape *s, sdr_law law, sdr_split split, FILE *csv)
+static sdr_status measure_case(bench_how how, row *out)
 {
-  bench_how how = s->how;
-  how.law = law;
-  bench_body body = {0};
-  sdr_model *models[MODELS] = {NULL};
-  double seconds[MODELS][ROUNDS];
-  sdr_status status = bench_body_create(&how, &body);
-  for (int k = 0; k < ENTRIES && status == SDR_OK; ++k)
-    status = make_model(&body, &how, &entries[k], split, &models[k + 1]);
-  models[0] = body.model;
-  for (int round = -1; round < ROUNDS && status == SDR_OK; ++round)
-    for (int k = 0; k < MODELS; ++k) {
-      const double once = seconds_a_bond(models[k], &body, 2);
-      if (round >= 0) seconds[k][round] = once;
-    }
-  if (status == SDR_OK) print_case(s, law, split, seconds, csv);
-  for (int k = 1; k < MODELS; ++k)
-    if (models[k]) models[k]->ops->destroy(models[k]);
-  bench_body_destroy(&body);
+  bench_body body[MODELS];
+  memset(body, 0, sizeof body);
+  sdr_status status = SDR_OK;
+  for (int m = 0; m < MODELS && status == SDR_OK; ++m) {
+    how.model = (sdr_model_kind)m;
+    status = bench_body_create(&how, &body[m]);
+  }
+  if (status == SDR_OK) status = measure(body, out);
+  for (int m = 0; m < MODELS; ++m) bench_body_destroy(&body[m]);
   return status;
 }
 
-int main(int count, char **words)
+static void write_row(FILE *csv, const bench_how *how, const row *r)
 {
+  char name[64];
+  snprintf(name, sizeof name, "%d-D %s%s", how->dimension, how->loose ? "loose, " : "",
+           law_name[how->law]);
+  printf("%-30s", name);
+  for (int m = 0; m < MODELS; ++m) {
+    printf("  %6.2f", r->median[m]);
+    if (m > 0) printf(" (%.2f of %.1f)", r->ratio[m], limit[m]);
+    fprintf(csv, "%d,%s,%s,%s,%lld,%.4g,%.4g,%.4g\n", how->dimension, how->loose ? "loose" : "runs",
+            law_name[how->law], model_name[m], (long long)r->bonds, r->median[m], r->least[m],
+            r->ratio[m]);
+  }
+  printf("\n");
+}
+
+static sdr_status measure_all(int quick, FILE *csv)
+{
+  fprintf(csv, "dimension,bonds,law,model,directed,ns_median,ns_least,ratio\n");
+  printf("%s\nns a directed bond and step, one core; over the bond-based cost\n%-30s  %s\n",
+         bench_origin(), "", "bond   ordinary          nonordinary");
+  bench_how how = {.spacing = quick ? 1e-3 : 0.5e-3, .edge = quick ? 32 : 48};
+  for (how.dimension = 2; how.dimension <= 3; ++how.dimension)
+    for (how.loose = 0; how.loose < 2; ++how.loose)
+      for (int law = 0; law < LAWS; ++law) {
+        row r;
+        how.law = (sdr_law)law;
+        SDR_TRY(measure_case(how, &r));
+        write_row(csv, &how, &r);
+        fflush(stdout);
+      }
+  return SDR_OK;
+}
+
+int main(int argc, char **argv)
+{
+  const int quick = argc > 1 && strcmp(argv[1], "--quick") == 0;
   char directory[BENCH_PATH];
   FILE *csv = NULL;
-  const char *const only = count > 1 ? words[1] : "";
-  if (count > 2) {
-    fputs("usage: bench_models [WORD of the body, like cube]\n", stderr);
-    return SDR_BAD_INPUT;
-  }
   sdr_set_threads(1);
   sdr_status status = bench_directory("models", directory);
   if (status == SDR_OK) status = bench_csv(directory, "models", &csv);
-  if (status == SDR_OK) {
-    fputs("body,law,split,model,ns_a_bond,ratio,limit\n", csv);
-    printf(
-        "\nForces of one step, one core, processor time a directed bond: least of %d rounds, and\n"
-        "median ratio to the bond-based model in the same round\n\n  %-17s %-16s %-10s %-25s "
-        "%7s %7s %6s\n",
-        ROUNDS, "body", "law", "split", "model", "ns", "ratio", "limit");
-  }
-  for (int k = 0; k < SHAPES && status == SDR_OK; ++k) {
-    if (!strstr(shapes[k].name, only)) continue;
-    status = measure(&shapes[k], SDR_LAW_NONE, SDR_SPLIT_DILATATION, csv);
-    for (int split = 0; split < 2 && status == SDR_OK; ++split)
-      status = measure(&shapes[k], SDR_LAW_VARIATIONAL, (sdr_split)split, csv);
-    if (status == SDR_OK)
-      status = measure(&shapes[k], SDR_LAW_CRITICAL_STRETCH, SDR_SPLIT_DILATATION, csv);
-  }
-  if (csv && fclose(csv) != 0 && status == SDR_OK)
-    status = sdr_fail(SDR_IO_ERROR, "%s: disk full", directory);
-  if (status == SDR_OK)
-    printf("\n%s\n%s/models.csv\n", bench_origin(), directory);
-  else
-    fprintf(stderr, "models: %s\n", sdr_error_message());
+  if (status == SDR_OK) status = measure_all(quick, csv);
+  if (csv) fclose(csv);
+  if (status != SDR_OK) fprintf(stderr, "%s\n", sdr_error_message());
   return (int)status;
 }

@@ -1,6 +1,7 @@
 #include "support/body.h"
 
 #include "base/memory.h"
+#include "mechanics/state_based.h"
 #include "time/integrator.h"
 
 #include <math.h>
@@ -108,6 +109,39 @@ static double noise(const sdr_points *points, int32_t i, double phase)
   return 0.5 * (sin(argument) + sin(1.31 * argument + phase));
 }
 
+static sdr_status make_bond_based(const bench_how *how, const double *modulus, sdr_bonds *bonds,
+                                  bench_body *body)
+{
+  const sdr_points *points = body->points;
+  const sdr_bond_based_how model_how = {.dimension =
+                                            points->components == 3 ? SDR_3D : SDR_PLANE_STRESS,
+                                        .law = how->law,
+                                        .mixed = how->mixed,
+                                        .calibration = SDR_CALIBRATE_FAMILY,
+                                        .ell = {.value = 1.0, .relative = 1},
+                                        .young = modulus,
+                                        .toughness = &toughness};
+  return sdr_bond_based_create(points, bonds, body->families, &model_how, &body->model);
+}
+
+static sdr_status make_state_based(const bench_how *how, const double *modulus, sdr_bonds *bonds,
+                                   bench_body *body)
+{
+  const double poisson = 0.25;
+  const sdr_points *points = body->points;
+  const sdr_state_based_how model_how = {.dimension =
+                                             points->components == 3 ? SDR_3D : SDR_PLANE_STRESS,
+                                         .law = how->law,
+                                         .control_shear = (double)NAN,
+                                         .control_normal = (double)NAN,
+                                         .young = modulus,
+                                         .poisson = &poisson,
+                                         .toughness = &toughness};
+  return how->model == SDR_ORDINARY
+             ? sdr_ordinary_create(points, bonds, &model_how, &body->model)
+             : sdr_nonordinary_create(points, bonds, &model_how, &body->model);
+}
+
 static sdr_status make_model(const bench_how *how, bench_body *body)
 {
   const sdr_points *points = body->points;
@@ -120,16 +154,9 @@ static sdr_status make_model(const bench_how *how, bench_body *body)
   if (status == SDR_OK)
     status = sdr_families_create(points, &(sdr_families_how){0}, &body->families);
   if (status == SDR_OK) status = sdr_bonds_create(points, &bonds_how, &bonds);
-  const sdr_bond_based_how model_how = {.dimension =
-                                            points->components == 3 ? SDR_3D : SDR_PLANE_STRESS,
-                                        .law = how->law,
-                                        .mixed = how->mixed,
-                                        .calibration = SDR_CALIBRATE_FAMILY,
-                                        .ell = {.value = 1.0, .relative = 1},
-                                        .young = modulus,
-                                        .toughness = &toughness};
   if (status == SDR_OK)
-    status = sdr_bond_based_create(points, bonds, body->families, &model_how, &body->model);
+    status = how->model == SDR_BOND_BASED ? make_bond_based(how, modulus, bonds, body)
+                                          : make_state_based(how, modulus, bonds, body);
   sdr_free(modulus);
   return status;
 }

@@ -7,9 +7,10 @@
 #include "mechanics/system.h"
 
 typedef struct {
-  int dimension;  /* 2: the thick cylinder's ring; 3: a cube */
-  double spacing; /* m; of the cube: 1 mm whatever is given here */
-  int edge;       /* points along an edge of the cube */
+  int dimension;        /* 2: the thick cylinder's ring; 3: a cube */
+  double spacing;       /* m; of the cube: 1 mm whatever is given here */
+  int edge;             /* points along an edge of the cube */
+  sdr_model_kind model; /* SDR_BOND_BASED if not said */
   sdr_law law;
   int scattered; /* 1: every point has its own modulus */
   int shuffled; /* 1: points come in random order, without lattice, and are sorted by the library */
