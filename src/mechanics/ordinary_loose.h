@@ -64,28 +64,58 @@ typedef struct {
   double *const *u;
 } sdr_ordinary_chunk;
 
+/* Stretches of a column and P, Q over them; returns 1 if one is above the least threshold. */
+SDR_INLINE int stretches_of_column(const int components, const int use, const int linear,
+                                   const sdr_ordinary *o, const sdr_ordinary_chunk *chunk,
+                                   int64_t column, double s[SDR_LANES], double p[SDR_LANES],
+                                   double q[SDR_LANES])
+{
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+  const double weakest = o->weakest;
+  int above = 0;
+#pragma omp simd reduction(| : above)
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane, i = chunk->point + lane;
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const double w = loose->weight_ij[slot];
+    s[lane] = pair.s;
+    p[lane] = w * loose_p(printed, &pair);
+    q[lane] = w * loose_q(printed, &pair);
+    if (use) above |= pair.s > 0.0 && pair.s * pair.s > weakest;
+  }
+  return above;
+}
+
+/* Take the halves out that flags, or with `use` the stretches of the column, say are lost. */
+SDR_INLINE void sift_column(const int use, sdr_ordinary *o, sdr_ordinary_chunk *chunk,
+                            int64_t column, double s[SDR_LANES], const double p[SDR_LANES])
+{
+  sdr_flags *const flags = o->body.loose_flags + column;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const sdr_flags grown = loose_flags_of(use, o, column + lane, chunk->point + lane, s[lane]);
+    s[lane] = grown & SDR_LOST_I ? 0.0 : s[lane];
+    chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p[lane] : 0.0;
+    if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
+    chunk->fresh[lane] |= grown;
+  }
+}
+
 SDR_INLINE void sums_of_column(const int components, const int squares, const int use,
                                const int flagged, const int linear, sdr_ordinary *o,
                                sdr_ordinary_chunk *chunk, int64_t column)
 {
-  const sdr_loose *loose = &o->body.bonds->loose;
-  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
-  sdr_flags *const flags = flagged ? o->body.loose_flags + column : NULL;
+  _Alignas(64) double s[SDR_LANES], p[SDR_LANES], q[SDR_LANES];
+  const int above = stretches_of_column(components, use, linear, o, chunk, column, s, p, q);
+  if (flagged && above)
+    sift_column(use, o, chunk, column, s, p);
+  else if (flagged)
+    sift_column(SDR_FLAGS_KEEP, o, chunk, column, s, p);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = chunk->point + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
-    const double w = loose->weight_ij[slot], p = w * loose_p(printed, &pair);
-    double s = pair.s;
-    if (flagged) {
-      const sdr_flags grown = loose_flags_of(use, o, slot, i, s);
-      s = grown & SDR_LOST_I ? 0.0 : s;
-      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p : 0.0;
-      if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
-      chunk->fresh[lane] |= grown;
-    }
-    chunk->sum[lane] += p * s;
-    if (squares) chunk->square[lane] += w * loose_q(printed, &pair) * s * s;
+    chunk->sum[lane] += p[lane] * s[lane];
+    if (squares) chunk->square[lane] += q[lane] * s[lane] * s[lane];
   }
 }
 

@@ -221,9 +221,9 @@ static inline void plain_force(const plain *r, double *const u[3], double *const
     const long double h = plus > r->history[i] ? plus : r->history[i];
     long double d = 0.0L;
     if (r->how->body.law == SDR_LAW_VARIATIONAL) {
-      const sdr_length ell = {r->how->body.ell, 1};
-      const long double g = (long double)r->body->toughness[points->material[i]] /
-                            (long double)sdr_state_ell(points, &ell, i);
+      double ell, threshold;
+      sdr_state_constants(r->body->model, i, &ell, &threshold);
+      const long double g = (long double)r->body->toughness[points->material[i]] / (long double)ell;
       const int hard = r->mark[(size_t)i * (size_t)points->count + (size_t)i] == SDR_PROTECTED;
       d = hard ? 0.0L : h / (h + g);
       energy[1] += volume * g * d * d;
