@@ -35,6 +35,7 @@ typedef struct {
   int32_t *j;
   double *xi[3];
   double *weight_ij, *weight_ji; /* of the lane's point i and the neighbour j */
+  double shared_weight;          /* both weights of every pair (not of padding); 0: they differ */
 } sdr_loose;
 
 typedef struct {

@@ -147,6 +147,20 @@ static void fill_block(void *context, int block)
                  loose->chunk_slot[c + 1]);
 }
 
+/* The weight that all pairs have both ways; 0 if they differ. */
+static double shared_weight(const sdr_loose *loose)
+{
+  double shared = 0.0;
+  for (int32_t c = 0; c < loose->chunk_count; ++c)
+    for (int64_t slot = loose->chunk_slot[c]; slot < loose->chunk_slot[c + 1]; ++slot) {
+      const double wij = loose->weight_ij[slot], wji = loose->weight_ji[slot];
+      if (loose->j[slot] == c * SDR_LANES + slot % SDR_LANES) continue; /* padding */
+      if (shared == 0.0) shared = wij;
+      if (wij != shared || wji != shared) return 0.0;
+    }
+  return shared;
+}
+
 sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, const uint8_t *bulk,
                            sdr_bonds *bonds)
 {
@@ -162,6 +176,7 @@ sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, c
   }
   if (status == SDR_OK) {
     sdr_parallel_for(0, (bonds->loose.chunk_count + BLOCK - 1) / BLOCK, 1, fill_block, &build);
+    bonds->loose.shared_weight = shared_weight(&bonds->loose);
     const int64_t directed = build.family.row[points->count];
     bonds->directed += directed;
     bonds->loose_pairs = (directed + one_sided) / 2; /* each counted twice */

@@ -20,7 +20,9 @@ SDR_INLINE double loose_variational(const int each, const int marked, const int 
   const double s = p->grown / p->both, whole = p->ci + p->cj;
   const float k = grown_stretch_double(marked, *history, s);
   if (commit) *history = k;
-  const double kk = (double)k * (double)k, a = kk + p->qi, b = each ? kk + p->qj : 1.0;
+  const double kept = (double)k;
+  const double a = SDR_FMA_double(kept, kept, p->qi);
+  const double b = each ? SDR_FMA_double(kept, kept, p->qj) : 1.0;
   const double all = 1.0 / (p->now * (a * b)), by_ab = p->now * all;
   const double intact_i = p->qi * b * by_ab, intact_j = each ? p->qj * a * by_ab : intact_i;
   const double soft = p->ci * (intact_i * intact_i) + p->cj * (intact_j * intact_j);
@@ -45,22 +47,22 @@ SDR_INLINE double loose_critical(const int marked, const int commit, const sdr_l
   return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
 }
 
-/* A chunk at work: its first point, displacements, and the sums of its lanes. Flags are collected
-   lane by lane: as one number for all lanes gcc would leave the loop scalar. */
+/* A chunk at work: its first point, the column at hand, displacements, and the sums of its lanes.
+   Flags are collected lane by lane: as one number for all lanes gcc would leave the loop scalar. */
 typedef struct {
-  int64_t point;
+  int64_t point, column;
   double *const *u;
   _Alignas(64) double sum[3][SDR_LANES];
   _Alignas(64) sdr_flags fresh[SDR_LANES];
 } sdr_chunk;
 
-/* One column of a chunk: a slot of each of its points. */
+/* One column of a chunk: a slot of each of its points. `same`: all pairs have one weight. */
 SDR_INLINE void force_of_column(const int components, const int law, const int each,
-                                const int marked, const int commit, const sdr_bond_body *body,
-                                sdr_chunk *chunk, int64_t column)
+                                const int marked, const int same, const int commit,
+                                const sdr_bond_body *body, sdr_chunk *chunk)
 {
   double *const *const u = chunk->u;
-  const int64_t point = chunk->point;
+  const int64_t point = chunk->point, column = chunk->column;
   const sdr_loose *loose = &body->bonds->loose;
   const int32_t *const restrict neighbour = loose->j + column;
   const double c = body->stiffness, q = body->threshold;
@@ -76,20 +78,22 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
     const double ez = components > 2 ? u[2][j] - u[2][i] : 0.0;
     double grown = (2.0 * xx + ex) * ex, square = xx * xx;
     if (components > 1) {
-      grown += (2.0 * xy + ey) * ey;
-      square += xy * xy;
+      grown = SDR_FMA_double(2.0 * xy + ey, ey, grown);
+      square = SDR_FMA_double(xy, xy, square);
     }
     if (components > 2) {
-      grown += (2.0 * xz + ez) * ez;
-      square += xz * xz;
+      grown = SDR_FMA_double(2.0 * xz + ez, ez, grown);
+      square = SDR_FMA_double(xz, xz, square);
     }
     const double present = square + grown, length = sqrt(square);
     const double now = sqrt(present > 1e-200 ? present : 1e-200); /* l = 0: no direction */
+    const double wij = same ? loose->shared_weight : loose->weight_ij[slot];
+    const double wji = same ? loose->shared_weight : loose->weight_ji[slot];
     const sdr_loose_pair pair = {grown,
                                  length * (length + now),
                                  now,
-                                 loose->weight_ij[slot] * (each ? body->stiffness_at[i] : c),
-                                 loose->weight_ji[slot] * (each ? body->stiffness_at[j] : c),
+                                 wij * (each ? body->stiffness_at[i] : c),
+                                 wji * (each ? body->stiffness_at[j] : c),
                                  each ? body->threshold_at[i] : q,
                                  each ? body->threshold_at[j] : q};
     double phi = 0.0;
@@ -103,20 +107,27 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
         left = body->loose_flags[slot] & SDR_CUT ? 0.0 : left;
       phi = left * grown / (pair.both * now);
     }
-    chunk->sum[0][lane] += phi * (xx + ex);
-    if (components > 1) chunk->sum[1][lane] += phi * (xy + ey);
-    if (components > 2) chunk->sum[2][lane] += phi * (xz + ez);
+    chunk->sum[0][lane] = SDR_FMA_double(phi, xx + ex, chunk->sum[0][lane]);
+    if (components > 1) chunk->sum[1][lane] = SDR_FMA_double(phi, xy + ey, chunk->sum[1][lane]);
+    if (components > 2) chunk->sum[2][lane] = SDR_FMA_double(phi, xz + ez, chunk->sum[2][lane]);
   }
 }
 
 SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
-                               const int marked, const int commit, const sdr_bond_body *body,
-                               int64_t chunk, double *const u[3], double *const f[3])
+                               const int commit, const sdr_bond_body *body, int64_t chunk,
+                               double *const u[3], double *const f[3])
 {
-  const int64_t *const slot = body->bonds->loose.chunk_slot + chunk;
-  sdr_chunk work = {.point = chunk * SDR_LANES, .u = u};
-  for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-    force_of_column(components, law, each, marked, commit, body, &work, column);
+  const sdr_loose *loose = &body->bonds->loose;
+  const int64_t end = loose->chunk_slot[chunk + 1];
+  const int same = loose->shared_weight != 0.0;
+  sdr_chunk work = {.point = chunk * SDR_LANES, .column = loose->chunk_slot[chunk], .u = u};
+  for (; work.column < end; work.column += SDR_LANES)
+    if (body->loose_marked)
+      force_of_column(components, law, each, 1, 0, commit, body, &work);
+    else if (same)
+      force_of_column(components, law, each, 0, 1, commit, body, &work);
+    else
+      force_of_column(components, law, each, 0, 0, commit, body, &work);
   for (int a = 0; a < components; ++a)
     for (int lane = 0; lane < SDR_LANES; ++lane) f[a][work.point + lane] += work.sum[a][lane];
   if (law != SDR_LAW_CRITICAL_STRETCH || !commit) return;
@@ -129,10 +140,7 @@ SDR_INLINE void force_of_loose(const int components, const int law, const int ea
                                int64_t end, double *const u[3], double *const f[3])
 {
   for (int64_t chunk = first; chunk < end; ++chunk)
-    if (body->loose_marked)
-      force_of_chunk(components, law, each, 1, commit, body, chunk, u, f);
-    else
-      force_of_chunk(components, law, each, 0, commit, body, chunk, u, f);
+    force_of_chunk(components, law, each, commit, body, chunk, u, f);
 }
 
 #endif
