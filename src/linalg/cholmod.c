@@ -159,7 +159,8 @@ static sdr_status judge(const state *s, sdr_matrix_kind kind, const sdr_csr *a,
     return sdr_solver_singular(report, a, (int32_t)order[s->factor->minor],
                                positive ? "singular or not positive definite" : "singular");
   const weakest least = weakest_pivot(s);
-  if (least.ratio < sdr_solver_smallest_pivot(a->rows))
+  report->weakest = least.ratio;
+  if (least.ratio < sdr_solver_zero_pivot)
     return sdr_solver_singular(report, a, least.row, "singular");
   return SDR_OK;
 }

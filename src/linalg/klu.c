@@ -45,8 +45,8 @@ static sdr_status judge(const state *s, const sdr_csr *a, sdr_solver_report *rep
   const int32_t row = sdr_solver_weakest_pivot(a, scale, (const int64_t *)s->symbolic->Q,
                                                s->numeric->Udiag, &ratio);
   sdr_free(scale);
-  if (ratio < 32.0 * sdr_solver_smallest_pivot(a->rows))
-    return sdr_solver_singular(report, a, row, "singular");
+  report->weakest = ratio;
+  if (ratio < sdr_solver_zero_pivot) return sdr_solver_singular(report, a, row, "singular");
   return SDR_OK;
 }
 

@@ -58,7 +58,7 @@ static void copy_block(const state *s, int32_t k)
 }
 
 /* Cholesky factor in place (lower triangle); the first row without a positive pivot, or -1. */
-static int32_t factor_block(double *block, int32_t size, double least)
+static int32_t factor_block(double *block, int32_t size)
 {
   for (int32_t r = 0; r < size; ++r) {
     double *row = block + r * MOST_BLOCK;
@@ -69,7 +69,7 @@ static int32_t factor_block(double *block, int32_t size, double least)
       for (int32_t p = 0; p < c; ++p) sum -= row[p] * other[p];
       if (c < r) {
         row[c] = sum / other[c];
-      } else if (sum > least * whole && whole > 0.0) {
+      } else if (sum > 1e-14 * whole && whole > 0.0) {
         row[c] = sqrt(sum);
       } else {
         return r;
@@ -107,10 +107,9 @@ static sdr_status make_blocks(state *s, sdr_solver_report *report)
   sdr_csr_groups_destroy(&groups);
   s->block = sdr_alloc((size_t)s->count * MOST_BLOCK * MOST_BLOCK, sizeof *s->block);
   if (!s->block) return SDR_RUN_FAILED;
-  const double least = sdr_solver_smallest_pivot(s->matrix->rows);
   for (int32_t k = 0; k < s->count; ++k) {
     copy_block(s, k);
-    const int32_t bad = factor_block(block_of(s, k), s->first[k + 1] - s->first[k], least);
+    const int32_t bad = factor_block(block_of(s, k), s->first[k + 1] - s->first[k]);
     if (bad >= 0)
       return sdr_solver_singular(report, s->matrix, s->first[k] + bad,
                                  "singular or not positive definite");

@@ -98,6 +98,64 @@ sdr_solver_report sdr_solver_report_of(const sdr_solver *solver)
   return solver->report;
 }
 
+/* ---- singular matrices ----------------------------------------------------------------------- */
+
+static double norm(const double *x, int32_t count)
+{
+  double most = 0.0, sum = 0.0;
+  for (int32_t k = 0; k < count; ++k) most = fmax(most, fabs(x[k]));
+  if (!(most > 0.0) || isinf(most)) return most;
+  for (int32_t k = 0; k < count; ++k) sum += (x[k] / most) * (x[k] / most);
+  return most * sqrt(sum);
+}
+
+/* Norm of the vector of sum over c of |A_rc x_c|: what rounding in A x is measured by. */
+static double size_of_terms(const sdr_csr *a, const double *x)
+{
+  double sum = 0.0;
+  for (int32_t r = 0; r < a->rows; ++r) {
+    double terms = 0.0;
+    for (int64_t k = a->row[r]; k < a->row[r + 1]; ++k)
+      terms += fabs(a->value[k] * x[a->column[k]]);
+    sum += terms * terms;
+  }
+  return sqrt(sum);
+}
+
+/* Unit vector along x; 0 if x is no such thing. */
+static int normalise(double *x, int32_t count)
+{
+  const double length = norm(x, count);
+  for (int32_t k = 0; k < count; ++k) {
+    if (!isfinite(x[k])) return 0;
+    x[k] /= length;
+  }
+  return length > 0.0;
+}
+
+/* Inverse iteration finds the vector x that A shortens most. If what is left of A x is no more than
+   rounding, A is singular, and x is how the unknowns move: its largest entry is named. */
+static sdr_status look_closer(sdr_solver *solver, const sdr_csr *a)
+{
+  double *b = solver->residual, *x = solver->correction;
+  uint64_t noise = 88172645463325252u;
+  int32_t most = 0;
+  for (int32_t k = 0; k < a->rows; ++k) {
+    noise = noise * 6364136223846793005u + 1442695040888963407u;
+    b[k] = (double)(noise >> 11) * 0x1p-53 - 0.5;
+  }
+  for (int round = 0; round < 2; ++round) {
+    SDR_TRY(solver->ops->solve(solver->state, b, x, &solver->report));
+    if (!normalise(x, a->rows)) return sdr_solver_singular(&solver->report, a, -1, "singular");
+    memcpy(b, x, (size_t)a->rows * sizeof *b);
+  }
+  sdr_csr_times(a, x, b);
+  if (norm(b, a->rows) > 1e-15 * size_of_terms(a, x)) return SDR_OK;
+  for (int32_t k = 0; k < a->rows; ++k)
+    if (fabs(x[k]) > fabs(x[most])) most = k;
+  return sdr_solver_singular(&solver->report, a, most, "singular");
+}
+
 /* ---- factor ---------------------------------------------------------------------------------- */
 
 sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
@@ -114,7 +172,11 @@ sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
   solver->residual = sdr_alloc(rows, sizeof(double));
   solver->correction = sdr_alloc(rows, sizeof(double));
   if (!solver->residual || !solver->correction) return SDR_RUN_FAILED;
-  if (rows > 0) SDR_TRY(solver->ops->factor(solver->kind, matrix, &solver->state, &solver->report));
+  solver->report.weakest = INFINITY;
+  if (rows > 0) {
+    SDR_TRY(solver->ops->factor(solver->kind, matrix, &solver->state, &solver->report));
+    if (solver->report.weakest < sdr_solver_weak_pivot) SDR_TRY(look_closer(solver, matrix));
+  }
   solver->matrix = matrix;
   return SDR_OK;
 }
@@ -127,11 +189,6 @@ sdr_status sdr_solver_singular(sdr_solver_report *report, const sdr_csr *matrix,
     return sdr_fail(SDR_RUN_FAILED, "the matrix of %d rows is %s", (int)matrix->rows, how);
   return sdr_fail(SDR_RUN_FAILED, "the matrix of %d rows is %s at row %d", (int)matrix->rows, how,
                   (int)row);
-}
-
-double sdr_solver_smallest_pivot(int32_t rows)
-{
-  return 16.0 * 2.2e-16 * sqrt((double)rows);
 }
 
 int32_t sdr_solver_weakest_pivot(const sdr_csr *matrix, const double *scale, const int64_t *order,
@@ -161,15 +218,6 @@ int64_t *sdr_csr_wide_columns(const sdr_csr *matrix)
 }
 
 /* ---- solve ----------------------------------------------------------------------------------- */
-
-static double norm(const double *x, int32_t count)
-{
-  double most = 0.0, sum = 0.0;
-  for (int32_t k = 0; k < count; ++k) most = fmax(most, fabs(x[k]));
-  if (!(most > 0.0) || isinf(most)) return most;
-  for (int32_t k = 0; k < count; ++k) sum += (x[k] / most) * (x[k] / most);
-  return most * sqrt(sum);
-}
 
 /* residual = b - A x, and its norm over that of b. */
 static double residual_of(const sdr_solver *solver, const double *b, const double *x)
@@ -217,6 +265,16 @@ sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x)
   solver->report.residual = residual_of(solver, b, x);
   if (solver->ops->direct) SDR_TRY(refine(solver, b, x));
   if (solver->report.residual <= 1e-6) return SDR_OK;
+  if (!solver->ops->direct)
+    return sdr_fail(SDR_RUN_FAILED,
+                    "the linear solver '%s' did not converge: %.1e of the right-hand side is left "
+                    "after %lld iterations; the matrix is singular or ill-conditioned: try cholmod "
+                    "or umfpack",
+                    solver->report.name, solver->report.residual,
+                    (long long)solver->report.iterations);
+  if (solver->report.residual * norm(b, solver->matrix->rows) <=
+      1e-13 * size_of_terms(solver->matrix, x))
+    return SDR_OK; /* as good as the numbers allow */
   return sdr_fail(SDR_RUN_FAILED,
                   "the linear solver '%s' left a residual of %.1e of the right-hand side: the "
                   "matrix is singular to working precision",

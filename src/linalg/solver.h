@@ -22,8 +22,8 @@ void sdr_solver_destroy(sdr_solver **solver); /* NULL-safe */
 sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix);
 
 /* Solve for one right-hand side; x and b hold `rows` values and may not overlap. Direct solvers
-   refine their answer once or twice where its residual asks for it. An answer with a residual above
-   1e-6 is SDR_RUN_FAILED: A is singular to working precision, or pcg did not converge. */
+   refine their answer once or twice where its residual asks for it. SDR_RUN_FAILED if pcg leaves
+   more than 1e-6 of b, or a direct solver more than rounding of the terms in A x. */
 sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x);
 
 /* What a solver was, held and did. */
@@ -34,6 +34,7 @@ typedef struct {
   double flops;         /* that the factor took; 0: none or not known */
   int64_t iterations;   /* so far; 0: direct */
   double residual;      /* |b - A x|/|b| of the last solve */
+  double weakest;       /* least pivot of the factor, over the entry of A that it started from */
   int32_t singular_row; /* where the last factor or solve found A singular; -1: nowhere */
 } sdr_solver_report;
 sdr_solver_report sdr_solver_report_of(const sdr_solver *solver);

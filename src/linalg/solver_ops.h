@@ -11,7 +11,8 @@ typedef struct {
   int direct;   /* 1: a residual may be cut by solving again */
   int takes[3]; /* by sdr_matrix_kind */
   /* Factor A into a new *state (cholmod: or one that was analysed), which is written also on
-     failure if there is something to destroy. report: bytes, nonzeros, flops, singular_row. */
+     failure if there is something to destroy. report: bytes, nonzeros, flops, weakest (direct
+     solvers), singular_row. */
   sdr_status (*factor)(sdr_matrix_kind kind, const sdr_csr *matrix, void **state,
                        sdr_solver_report *report);
   sdr_status (*solve)(void *state, const double *b, double *x, sdr_solver_report *report);
@@ -24,9 +25,9 @@ extern const sdr_solver_ops sdr_solver_cholmod, sdr_solver_klu, sdr_solver_umfpa
 sdr_status sdr_solver_singular(sdr_solver_report *report, const sdr_csr *matrix, int32_t row,
                                const char *how);
 
-/* A pivot below this times the size that it started from is rounding: the factor of a singular
-   matrix of that many rows gives some 1e-16 sqrt(rows). */
-double sdr_solver_smallest_pivot(int32_t rows);
+/* A pivot below this times the size that it started from is zero. That of a singular matrix need
+   not be so small: below the second limit the matrix is looked at more closely. */
+static const double sdr_solver_zero_pivot = 1e-15, sdr_solver_weak_pivot = 1e-7;
 
 /* Of an LU factor of A^T with its rows (A's columns) multiplied by `scale`: the row of A whose
    pivot is the smallest beside the largest of A's scaled entries in that row, and that ratio.

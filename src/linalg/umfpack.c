@@ -29,8 +29,7 @@ static sdr_status complain(int64_t code)
   return sdr_fail(SDR_RUN_FAILED, "UMFPACK failed (its code %d)", (int)code);
 }
 
-/* UMFPACK's columns are A's rows, and Q is their order. Pivoting by columns leaves up to 1e-14
-   sqrt(rows) of a zero pivot. */
+/* UMFPACK's columns are A's rows, and Q is their order. */
 static sdr_status judge(const state *s, const sdr_csr *a, sdr_solver_report *report)
 {
   const size_t rows = (size_t)a->rows;
@@ -47,8 +46,8 @@ static sdr_status judge(const state *s, const sdr_csr *a, sdr_solver_report *rep
   if (status == SDR_OK) {
     for (int32_t k = 0; k < a->rows && !reciprocal; ++k) scale[k] = 1.0 / scale[k];
     const int32_t row = sdr_solver_weakest_pivot(a, scale, order, pivot, &ratio);
-    if (ratio < 32.0 * sdr_solver_smallest_pivot(a->rows))
-      status = sdr_solver_singular(report, a, row, "singular");
+    report->weakest = ratio;
+    if (ratio < sdr_solver_zero_pivot) status = sdr_solver_singular(report, a, row, "singular");
   }
   sdr_free(order);
   sdr_free(pivot);
