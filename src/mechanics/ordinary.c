@@ -311,6 +311,9 @@ static sdr_status set_threshold(sdr_ordinary *o, const double *toughness)
   o->weakest = INFINITY;
   for (int32_t i = 0; i < o->body.head.points->count; ++i)
     o->weakest = fmin(o->weakest, o->body.threshold[i]);
+  o->one_threshold = 1;
+  for (int32_t i = 0; i < o->body.head.points->count; ++i)
+    o->one_threshold &= o->body.threshold[i] <= o->weakest;
   return SDR_OK;
 }
 

@@ -37,6 +37,7 @@ typedef struct {
   double *t, *a, *b; /* t, A, B above */
   double *moment;    /* sum P */
   double weakest;    /* critical_stretch: the least s0^2 */
+  int one_threshold; /* 1: it is every point's */
   /* Of the present state, scratch: S, Q, sum P of halves lost since the start (critical_stretch),
      and the coefficients of the forces. */
   double *sum, *square, *lost;

@@ -21,10 +21,12 @@
   static void loose_sums_##n##squares##use##linear(sdr_ordinary *o, int64_t first, int64_t end,    \
                                                    double *const u[3])                             \
   {                                                                                                \
-    if (o->body.loose_flags)                                                                       \
-      sums_of_loose(n, squares, use, 1, linear, o, first, end, u);                                 \
+    if (o->body.loose_flags && use && o->one_threshold)                                            \
+      sums_of_loose(n, squares, use, SDR_LOOSE_SHARED, linear, o, first, end, u);                  \
+    else if (o->body.loose_flags)                                                                  \
+      sums_of_loose(n, squares, use, SDR_LOOSE_FLAGGED, linear, o, first, end, u);                 \
     else                                                                                           \
-      sums_of_loose(n, squares, 0, 0, linear, o, first, end, u);                                   \
+      sums_of_loose(n, squares, 0, SDR_LOOSE_UNFLAGGED, linear, o, first, end, u);                 \
   }
 #define SDR_FORCE(n, use, linear)                                                                  \
   static void run_force_##n##use##linear(const sdr_ordinary *o, int64_t first, int64_t end,        \
@@ -36,9 +38,9 @@
                                            double *const u[3], double *const f[3])                 \
   {                                                                                                \
     if (o->body.loose_flags)                                                                       \
-      force_of_loose(n, use, 1, linear, o, first, end, u, f);                                      \
+      force_of_loose(n, use, SDR_LOOSE_FLAGGED, linear, o, first, end, u, f);                      \
     else                                                                                           \
-      force_of_loose(n, 0, 0, linear, o, first, end, u, f);                                        \
+      force_of_loose(n, 0, SDR_LOOSE_UNFLAGGED, linear, o, first, end, u, f);                      \
   }
 #define SDR_EACH(n)                                                                                \
   SDR_SUMS(n, 0, 0, 0)                                                                             \

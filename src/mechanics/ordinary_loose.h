@@ -5,35 +5,29 @@
 
 #include "mechanics/ordinary_loop.h"
 
-/* One slot: xi and xi + eta, |xi|, xi^2, stretch and r = 1 + stretch. */
+/* One slot: the present vector from point to point (of the reference shape if linear), xi^2 and
+   1/xi^2, stretch and r = 1 + stretch. */
 typedef struct {
-  double xi[3], y[3], length, square, s, r;
+  double y[3], square, inverse, s, r;
 } sdr_ordinary_slot;
 
 SDR_INLINE sdr_ordinary_slot slot_at(const int components, const int linear, const sdr_loose *loose,
                                      int64_t slot, int64_t i, double *const u[3])
 {
   const int32_t j = loose->j[slot];
-  sdr_ordinary_slot p = {.xi = {0.0}};
-  double grown = 0.0, along = 0.0;
+  sdr_ordinary_slot p = {.y = {0.0}};
+  double z = 0.0;
   for (int a = 0; a < components; ++a) {
     const double xi = loose->xi[a][slot], eta = u[a][j] - u[a][i];
-    p.xi[a] = xi;
     p.y[a] = linear ? xi : xi + eta;
     p.square += xi * xi;
-    along += xi * eta;
-    grown += (2.0 * xi + eta) * eta;
+    z += linear ? xi * eta : (2.0 * xi + eta) * eta;
   }
-  const double present = p.square + grown;
-  p.length = sqrt(p.square);
-  if (linear) {
-    p.s = along / p.square;
-    p.r = 1.0;
-    return p;
-  }
-  const double now = sqrt(present > 1e-200 ? present : 1e-200); /* l = 0: no direction */
-  p.s = grown / (p.length * (p.length + now));
-  p.r = now / p.length;
+  p.inverse = 1.0 / p.square;
+  z *= p.inverse;
+  const sdr_state_stretch now = linear ? (sdr_state_stretch){z, 1.0} : sdr_state_stretch_of(z);
+  p.s = now.s;
+  p.r = now.r;
   return p;
 }
 
@@ -44,16 +38,21 @@ SDR_INLINE double loose_p(int printed, const sdr_ordinary_slot *p)
 }
 SDR_INLINE double loose_q(int printed, const sdr_ordinary_slot *p)
 {
-  return printed ? p->length : p->square;
+  return printed ? sqrt(p->square) : p->square;
 }
 
+/* What flags there are: none, some, some where all points share one threshold (no gather). */
+enum { SDR_LOOSE_UNFLAGGED, SDR_LOOSE_FLAGGED, SDR_LOOSE_SHARED };
+
 /* Flags of a slot as this pass sees them. */
-SDR_INLINE sdr_flags loose_flags_of(const int use, const sdr_ordinary *o, int64_t slot, int64_t i,
-                                    double s)
+SDR_INLINE sdr_flags loose_flags_of(const int use, const int flagged, const sdr_ordinary *o,
+                                    int64_t slot, int64_t i, double s)
 {
   const sdr_flags before = o->body.loose_flags[slot];
-  const double *const q = o->body.threshold;
-  return use ? grown_flags(before, s, q[i], q[o->body.bonds->loose.j[slot]]) : before;
+  const double *const q = o->body.threshold, one = o->weakest;
+  if (!use) return before;
+  if (flagged == SDR_LOOSE_SHARED) return grown_flags(before, s, one, one);
+  return grown_flags(before, s, q[i], q[o->body.bonds->loose.j[slot]]);
 }
 
 /* A chunk at work: its first point, and the sums of its lanes. */
@@ -64,58 +63,28 @@ typedef struct {
   double *const *u;
 } sdr_ordinary_chunk;
 
-/* Stretches of a column and P, Q over them; returns 1 if one is above the least threshold. */
-SDR_INLINE int stretches_of_column(const int components, const int use, const int linear,
-                                   const sdr_ordinary *o, const sdr_ordinary_chunk *chunk,
-                                   int64_t column, double s[SDR_LANES], double p[SDR_LANES],
-                                   double q[SDR_LANES])
-{
-  const sdr_loose *loose = &o->body.bonds->loose;
-  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
-  const double weakest = o->weakest;
-  int above = 0;
-#pragma omp simd reduction(| : above)
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = chunk->point + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
-    const double w = loose->weight_ij[slot];
-    s[lane] = pair.s;
-    p[lane] = w * loose_p(printed, &pair);
-    q[lane] = w * loose_q(printed, &pair);
-    if (use) above |= pair.s > 0.0 && pair.s * pair.s > weakest;
-  }
-  return above;
-}
-
-/* Take the halves out that flags, or with `use` the stretches of the column, say are lost. */
-SDR_INLINE void sift_column(const int use, sdr_ordinary *o, sdr_ordinary_chunk *chunk,
-                            int64_t column, double s[SDR_LANES], const double p[SDR_LANES])
-{
-  sdr_flags *const flags = o->body.loose_flags + column;
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const sdr_flags grown = loose_flags_of(use, o, column + lane, chunk->point + lane, s[lane]);
-    s[lane] = grown & SDR_LOST_I ? 0.0 : s[lane];
-    chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p[lane] : 0.0;
-    if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
-    chunk->fresh[lane] |= grown;
-  }
-}
-
 SDR_INLINE void sums_of_column(const int components, const int squares, const int use,
                                const int flagged, const int linear, sdr_ordinary *o,
                                sdr_ordinary_chunk *chunk, int64_t column)
 {
-  _Alignas(64) double s[SDR_LANES], p[SDR_LANES], q[SDR_LANES];
-  const int above = stretches_of_column(components, use, linear, o, chunk, column, s, p, q);
-  if (flagged && above)
-    sift_column(use, o, chunk, column, s, p);
-  else if (flagged)
-    sift_column(SDR_FLAGS_KEEP, o, chunk, column, s, p);
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+  sdr_flags *const flags = flagged ? o->body.loose_flags + column : NULL;
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    chunk->sum[lane] += p[lane] * s[lane];
-    if (squares) chunk->square[lane] += q[lane] * s[lane] * s[lane];
+    const int64_t slot = column + lane, i = chunk->point + lane;
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const double w = loose->weight_ij[slot], p = w * loose_p(printed, &pair);
+    double s = pair.s;
+    if (flagged) {
+      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, i, s);
+      s = grown & SDR_LOST_I ? 0.0 : s;
+      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p : 0.0;
+      if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
+      chunk->fresh[lane] |= grown;
+    }
+    chunk->sum[lane] += p * s;
+    if (squares) chunk->square[lane] += w * loose_q(printed, &pair) * s * s;
   }
 }
 
@@ -154,11 +123,11 @@ SDR_INLINE void force_of_column(const int components, const int use, const int f
     double hi = loose->weight_ij[slot] * (p * o->along[i] + q * o->across[i]);
     double hj = loose->weight_ji[slot] * (p * o->along[j] + q * o->across[j]);
     if (flagged) {
-      const sdr_flags grown = loose_flags_of(use, o, slot, i, pair.s);
+      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, i, pair.s);
       hi = grown & SDR_LOST_I ? 0.0 : hi;
       hj = grown & SDR_LOST_J ? 0.0 : hj;
     }
-    const double phi = (hi + hj) / (pair.square * pair.r);
+    const double phi = (hi + hj) * pair.inverse / pair.r;
     for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
   }
 }

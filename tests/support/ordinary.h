@@ -20,17 +20,42 @@ static inline double ordinary_poisson(const ordinary_how *how)
   return how->poisson > 0.0 ? how->poisson : 0.3;
 }
 
+static inline sdr_model *ordinary_model(const ordinary_how *how, body *b)
+{
+  const sdr_bonds_how bonds_how = {.force_loose = how->body.force_loose,
+                                   .weight = sdr_families_weight,
+                                   .context = b->families,
+                                   .bulk = b->families->bulk};
+  sdr_bonds *bonds;
+  sdr_model *model;
+  assert_int_equal(sdr_bonds_create(b->points, &bonds_how, &bonds), SDR_OK);
+  b->bonds = bonds;
+  const double poisson[2] = {ordinary_poisson(how), 0.2};
+  const sdr_state_based_how model_how = {.dimension = how->body.dimension,
+                                         .law = how->body.law,
+                                         .ell = {how->body.ell, 1},
+                                         .form = how->form,
+                                         .young = b->young,
+                                         .poisson = poisson,
+                                         .toughness = b->toughness};
+  assert_int_equal(sdr_ordinary_create(b->points, bonds, &model_how, &model), SDR_OK);
+  return model;
+}
+
+/* The model itself says what s0 or ell it makes of a toughness. */
 static inline void ordinary_toughness(const ordinary_how *how, body *b)
 {
   const double stretch = how->body.stretch > 0.0 ? how->body.stretch : 0.01;
-  const double nu = ordinary_poisson(how), horizon = b->points->horizon[0];
-  const sdr_length ell = {how->body.ell, 1};
-  const double unit =
-      sdr_state_threshold(how->body.dimension, sdr_state_bulk(how->body.dimension, body_young, nu),
-                          sdr_state_shear(how->body.dimension, body_young, nu), 1.0, horizon);
+  double ell, threshold;
+  b->toughness[0] = b->toughness[1] = 1.0;
+  if (how->body.law == SDR_LAW_NONE) return;
+  sdr_model *model = ordinary_model(how, b);
+  sdr_state_constants(model, 0, &ell, &threshold);
+  model->ops->destroy(model);
+  const double scattered = b->young[0] / body_young;
   b->toughness[0] = how->body.law == SDR_LAW_VARIATIONAL
-                        ? 0.5 * body_young * stretch * stretch * sdr_state_ell(b->points, &ell, 0)
-                        : stretch * stretch / unit;
+                        ? 0.5 * body_young * stretch * stretch * ell
+                        : stretch * stretch * scattered / threshold;
   b->toughness[1] = 3.0 * b->toughness[0];
 }
 
@@ -42,22 +67,7 @@ static inline body ordinary_create(const ordinary_how *how)
   assert_int_equal(sdr_families_create(b.points, &weight, &b.families), SDR_OK);
   body_materials(&b);
   ordinary_toughness(how, &b);
-  const sdr_bonds_how bonds_how = {.force_loose = how->body.force_loose,
-                                   .weight = sdr_families_weight,
-                                   .context = b.families,
-                                   .bulk = b.families->bulk};
-  sdr_bonds *bonds;
-  assert_int_equal(sdr_bonds_create(b.points, &bonds_how, &bonds), SDR_OK);
-  const double poisson[2] = {ordinary_poisson(how), 0.2};
-  const sdr_state_based_how model_how = {.dimension = how->body.dimension,
-                                         .law = how->body.law,
-                                         .ell = {how->body.ell, 1},
-                                         .form = how->form,
-                                         .young = b.young,
-                                         .poisson = poisson,
-                                         .toughness = b.toughness};
-  assert_int_equal(sdr_ordinary_create(b.points, bonds, &model_how, &b.model), SDR_OK);
-  b.bonds = bonds;
+  b.model = ordinary_model(how, &b);
   return b;
 }
 
