@@ -10,6 +10,10 @@
 
 /* Above this ratio of eigenvalues a shape tensor counts as singular. */
 static const double worst_condition = 1e8;
+/* Of a family that lost bonds: the stiffness of a point goes with the inverse of the least
+   eigenvalue, so a family that has shrunk to almost a line asks for steps that no intact body needs
+   (and bursts under those that it has). Surfaces and corners of lattices stay below 6. */
+static const double worst_torn_condition = 20.0;
 
 static sdr_flags flags_of(const sdr_state_body *state, const sdr_pair *pair)
 {
@@ -96,7 +100,7 @@ static double condition_of(int n, const double k[6])
 }
 
 /* K^-1 and the control of point i; 0 if K has none, and the point carries nothing. */
-static int invert(sdr_nonordinary_model *model, int32_t i)
+static int invert(sdr_nonordinary_model *model, int32_t i, double worst)
 {
   const sdr_points *points = model->state.head.points;
   const int n = points->components, size = n * (n + 1) / 2;
@@ -104,7 +108,7 @@ static int invert(sdr_nonordinary_model *model, int32_t i)
   for (int e = 0; e < size; ++e) k[e] = model->body.inverse[e][i];
   for (int e = 0; e < n; ++e) trace += k[sdr_upper(n, e, e)];
   const double condition = condition_of(n, k), determinant = adjugate(n, k, a);
-  const int sound = condition >= 1.0 && condition <= worst_condition;
+  const int sound = condition >= 1.0 && condition <= worst;
   for (int e = 0; e < size; ++e) model->body.inverse[e][i] = sound ? a[e] / determinant : 0.0;
   const double volume = sound ? points->volume[i] / trace : 0.0;
   model->body.shear[i] = volume * model->control_shear[i];
@@ -141,7 +145,7 @@ sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
   sdr_bonds_visit(model->state.bonds, points, add_family, &call);
   model->condition = 0.0;
   for (int32_t i = 0; i < points->count; ++i) {
-    if (!invert(model, i) && !may_fail) return singular(points, i);
+    if (!invert(model, i, may_fail ? worst_torn_condition : worst_condition) && !may_fail) return singular(points, i);
     model->condition = fmax(model->condition, condition_at(model, i));
   }
   return SDR_OK;
@@ -373,7 +377,7 @@ void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *con
     if (state->fresh[i]) clear_moments(model, i);
   sdr_each_stripe(points, family_fresh, &families);
   for (int32_t i = 0; i < points->count; ++i)
-    if (state->fresh[i]) invert(model, i);
+    if (state->fresh[i]) invert(model, i, worst_torn_condition);
   call.before = 0;
   add_all_energies(&call, -1.0, dt);
 }
