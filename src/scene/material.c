@@ -101,7 +101,7 @@ static void read_model_word(sdr_reading *rd, sdr_node *map, int first)
 {
   sdr_reader *r = rd->reader;
   const char *const common = sdr_model_words[rd->scene->model];
-  int model = rd->scene->model;
+  int model = (int)rd->scene->model;
   if (!sdr_read_word(r, map, "model", sdr_model_words, NULL, first ? "bond_based" : common,
                      &model) ||
       model == (int)rd->scene->model) {
