@@ -55,57 +55,6 @@ static int due(const sdr_observer *observer, const sdr_moment *moment, int *want
   return s->scene->output.snapshots > 0 && reached(s, moment, s->next);
 }
 
-static int32_t place_of(const sdr_points *points, int32_t i)
-{
-  return points->generated ? points->generated[i] : i;
-}
-
-static sdr_status write_scalars(snapshots *s, const char *name, const double *values)
-{
-  const int32_t count = s->points->count;
-  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)count, 1};
-  for (int32_t i = 0; i < count; ++i) s->values[place_of(s->points, i)] = values[i];
-  return sdr_hdf_write(s->file, name, shape, s->values, "m");
-}
-
-static sdr_status write_index(snapshots *s)
-{
-  const size_t count = (size_t)s->points->count;
-  const sdr_hdf_shape shape = {SDR_HDF_INT32, 1, count, 1};
-  int32_t *index = sdr_alloc(count, sizeof *index);
-  if (!index) return SDR_RUN_FAILED;
-  for (size_t i = 0; i < count; ++i) index[i] = (int32_t)i;
-  const sdr_status status = sdr_hdf_write(s->file, "points/index", shape, index, NULL);
-  sdr_free(index);
-  return status;
-}
-
-static sdr_status write_positions(snapshots *s)
-{
-  const sdr_points *points = s->points;
-  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 2, (size_t)points->count, 3};
-  double *x = sdr_alloc((size_t)points->count * 3, sizeof *x);
-  if (!x) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < points->count; ++i)
-    for (int c = 0; c < points->components; ++c)
-      x[3 * (size_t)place_of(points, i) + (size_t)c] = points->x[c][i];
-  const sdr_status status = sdr_hdf_write(s->file, "points/position", shape, x, "m");
-  sdr_free(x);
-  return status;
-}
-
-static sdr_status write_points(snapshots *s)
-{
-  const sdr_points *points = s->points;
-  const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)points->count, 1};
-  SDR_TRY(write_index(s));
-  SDR_TRY(write_positions(s));
-  for (int32_t i = 0; i < points->count; ++i) s->values[place_of(points, i)] = points->volume[i];
-  SDR_TRY(sdr_hdf_write(s->file, "points/volume", shape, s->values, "m^3"));
-  SDR_TRY(write_scalars(s, "points/horizon", points->horizon));
-  return write_scalars(s, "points/spacing", points->spacing);
-}
-
 static sdr_status make_fragments(snapshots *s, sdr_system *system)
 {
   sdr_fragments found;
@@ -121,20 +70,12 @@ static sdr_status make_fragments(snapshots *s, sdr_system *system)
 
 static sdr_status write_field(snapshots *s, sdr_system *system, const sdr_field_info *field)
 {
-  const size_t count = (size_t)s->points->count;
-  const size_t width = (size_t)sdr_field_width(field, s->points->components);
-  char path[SDR_FRAME_PATH];
+  const int width = sdr_field_width(field, s->points->components);
   if (strcmp(field->name, "fragment") == 0)
     SDR_TRY(make_fragments(s, system));
   else
     SDR_TRY(sdr_system_field(system, field->name, s->values));
-  for (size_t i = 0; i < count; ++i) {
-    float *to = s->packed + width * (size_t)place_of(s->points, (int32_t)i);
-    for (size_t k = 0; k < width; ++k) to[k] = (float)s->values[k * count + i];
-  }
-  const sdr_hdf_shape shape = {SDR_HDF_FLOAT, width > 1 ? 2 : 1, count, width};
-  sdr_frame_path(path, s->frame_count, field->name);
-  return sdr_hdf_write(s->file, path, shape, s->packed, field->unit);
+  return sdr_frame_write(s->file, s->frame_count, field, width, s->points, s->values, s->packed);
 }
 
 /* Bytes of a frame, with room for what HDF5 adds. */
@@ -148,14 +89,10 @@ static size_t frame_bytes(const snapshots *s)
 
 static sdr_status write_frame(snapshots *s, const sdr_moment *moment)
 {
-  const sdr_hdf_shape single = {SDR_HDF_DOUBLE, 0, 1, 1};
-  char path[SDR_FRAME_PATH];
   SDR_TRY(sdr_hdf_reserve(s->file, frame_bytes(s)));
-  if (s->frame_count == 0) SDR_TRY(write_points(s));
+  if (s->frame_count == 0) SDR_TRY(sdr_frames_write_points(s->file, s->points));
   for (int f = 0; f < s->field_count; ++f) SDR_TRY(write_field(s, moment->system, s->fields[f]));
-  sdr_frame_path(path, s->frame_count, "time");
-  SDR_TRY(sdr_hdf_write(s->file, path, single, &moment->time, "s"));
-  return sdr_hdf_flush(s->file);
+  return sdr_frame_finish(s->file, s->frame_count, moment->time);
 }
 
 static sdr_status remember(snapshots *s, double time)

@@ -13,6 +13,15 @@ typedef struct {
   int always;   /* 1: stands among the figures even if the scene gives no range for it */
 } sdr_measured;
 
+/* What a state-based model makes of a material (theory sec. 5); NAN: null. */
+typedef struct {
+  double poisson, bulk, shear;          /* K of the scene's dimensions and G, Pa */
+  double control_shear, control_normal; /* P_s and P_n, Pa */
+  double condition;                     /* of shape tensors, the largest */
+  double ell;                           /* m */
+  double critical_stretch;
+} sdr_material_constants;
+
 /* SI. NULL texts and non-finite numbers become null. */
 typedef struct {
   const sdr_scene *scene;
@@ -27,6 +36,7 @@ typedef struct {
   double wall_setup, wall_integrate, wall_output, wall_total; /* s */
   double stable_step;                                         /* s; NAN: not looked for */
   const sdr_solve_record *solve; /* of linear equations; NULL, or name NULL: none were */
+  const sdr_material_constants *constants; /* of the first material; NULL: bond-based */
   sdr_books books;
   double onset_time;              /* NAN: never */
   double damage_max, damage_mean; /* of the points' damage field */
