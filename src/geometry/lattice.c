@@ -286,6 +286,15 @@ static sdr_status refine_levels(const sdr_scene *scene, int *levels)
   return SDR_OK;
 }
 
+/* 1 for a point on the surface, or beside it, where those stay. */
+static int stays(const sdr_scene *scene, const sdr_points *points, int32_t i)
+{
+  double x[3] = {0.0};
+  if (!scene->points.jitter_inside) return 0;
+  for (int c = 0; c < points->components; ++c) x[c] = points->x[c][i];
+  return !sdr_shape_contains(scene->points.shape, x, -0.25 * points->spacing[i]);
+}
+
 static sdr_status move_randomly(const sdr_scene *scene, sdr_points *points)
 {
   gsl_set_error_handler_off(); /* its own one aborts */
@@ -294,8 +303,9 @@ static sdr_status move_randomly(const sdr_scene *scene, sdr_points *points)
   gsl_rng_set(random, (unsigned long)scene->points.jitter_seed);
   points->irregular = 1;
   for (int32_t i = 0; i < points->count; ++i) {
+    const double jitter = stays(scene, points, i) ? 0.0 : scene->points.jitter;
     for (int c = 0; c < points->components; ++c) {
-      const double share = scene->points.jitter * (2.0 * gsl_rng_uniform(random) - 1.0);
+      const double share = jitter * (2.0 * gsl_rng_uniform(random) - 1.0);
       points->x[c][i] += share * points->spacing[i];
     }
   }

@@ -14,7 +14,7 @@
 int sdr_scene_layer(const sdr_scene *scene, int index, sdr_layer *out)
 {
   for (int k = 0; k < scene->support_count; ++k) {
-    const sdr_support *support = &scene->support[k];
+    const sdr_support_scene *support = &scene->support[k];
     if (!support->layer || index-- > 0) continue;
     *out = (sdr_layer){.kind = support->layer,
                        .index = k,

@@ -23,7 +23,7 @@ static sdr_status find_layers(sdr_layers *layers)
     double plane[3];
     sdr_scene_layer(layers->scene, k, &l->scene);
     const int mirror = l->scene.kind == SDR_MIRROR_LAYER;
-    const sdr_support *support = &layers->scene->support[mirror ? l->scene.index : 0];
+    const sdr_support_scene *support = &layers->scene->support[mirror ? l->scene.index : 0];
     const sdr_load *load = &layers->scene->load[mirror ? 0 : l->scene.index];
     l->value = mirror ? support->value : load->value;
     l->schedule = mirror ? &support->schedule : &load->schedule;

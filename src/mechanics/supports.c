@@ -23,7 +23,7 @@ static void place_of(const sdr_points *points, int32_t i, double x[3])
   for (int c = 0; c < 3; ++c) x[c] = c < points->components ? points->x[c][i] : 0.0;
 }
 
-static const sdr_support *support_of(const sdr_supports *supports, int32_t entry)
+static const sdr_support_scene *support_of(const sdr_supports *supports, int32_t entry)
 {
   return &supports->scene->support[supports->list[entry].support];
 }
@@ -43,7 +43,7 @@ static sdr_status add_entry(sdr_supports *supports, sdr_prescribed entry)
 
 static sdr_status add_support(sdr_supports *supports, int index)
 {
-  const sdr_support *support = &supports->scene->support[index];
+  const sdr_support_scene *support = &supports->scene->support[index];
   const sdr_points *points = supports->points;
   int32_t met = 0;
   if (support->layer) return SDR_OK; /* mechanics/layers.h */
@@ -78,7 +78,7 @@ static int by_point(const void *a, const void *b)
 
 static sdr_status refuse_overlap(const sdr_supports *supports, int32_t a, int32_t b)
 {
-  const sdr_support *first = support_of(supports, a), *second = support_of(supports, b);
+  const sdr_support_scene *first = support_of(supports, a), *second = support_of(supports, b);
   char text[SDR_PLACE_TEXT];
   double x[3];
   place_of(supports->points, supports->list[a].point, x);
@@ -116,12 +116,12 @@ static sdr_status check_overlaps(sdr_supports *supports)
   return SDR_OK;
 }
 
-static int uses_of(const sdr_support *support, int c)
+static int uses_of(const sdr_support_scene *support, int c)
 {
   return support->value[c] ? sdr_expression_uses(support->value[c]) : 0;
 }
 
-static sdr_status evaluate(const sdr_support *support, int c, const double x[3], double t,
+static sdr_status evaluate(const sdr_support_scene *support, int c, const double x[3], double t,
                            double *value)
 {
   *value = 0.0;
@@ -204,7 +204,7 @@ static sdr_status bring_to_time(sdr_supports *supports, double t)
 {
   static const double nowhere[3] = {0.0};
   for (int k = 0; k < supports->scene->support_count; ++k) {
-    const sdr_support *support = &supports->scene->support[k];
+    const sdr_support_scene *support = &supports->scene->support[k];
     supports->share[k] = sdr_schedule_share(&support->schedule, t);
     for (int c = 0; c < 3 && !isnan(supports->share[k]); ++c) {
       if (uses_of(support, c) & SDR_USES_SPACE) continue;
@@ -217,7 +217,7 @@ static sdr_status bring_to_time(sdr_supports *supports, double t)
 static sdr_status entry_value(const sdr_supports *supports, int32_t k, double t, double *value)
 {
   const sdr_prescribed *entry = &supports->list[k];
-  const sdr_support *support = support_of(supports, k);
+  const sdr_support_scene *support = support_of(supports, k);
   const int uses = uses_of(support, entry->component);
   if (uses == (SDR_USES_SPACE | SDR_USES_TIME)) {
     double x[3];

@@ -131,7 +131,7 @@ void sdr_read_loads(sdr_reading *rd)
 /* ---- supports -------------------------------------------------------------------------------- */
 
 static int read_prescribed(sdr_reading *rd, sdr_node *map, const char *key, sdr_unit unit,
-                           sdr_support_kind kind, sdr_support *support)
+                           sdr_support_kind kind, sdr_support_scene *support)
 {
   sdr_expression *value[3] = {NULL, NULL, NULL};
   sdr_node *node =
@@ -151,7 +151,7 @@ static int read_prescribed(sdr_reading *rd, sdr_node *map, const char *key, sdr_
 }
 
 /* 1 if the support acts through a layer. */
-static int read_support_layer(sdr_reading *rd, sdr_node *map, sdr_support *support)
+static int read_support_layer(sdr_reading *rd, sdr_node *map, sdr_support_scene *support)
 {
   static const char *const words[] = {"mirror", NULL};
   int word;
@@ -167,7 +167,7 @@ static int read_support_layer(sdr_reading *rd, sdr_node *map, sdr_support *suppo
   return 1;
 }
 
-static void check_mirror(sdr_reading *rd, sdr_node *map, const sdr_support *support)
+static void check_mirror(sdr_reading *rd, sdr_node *map, const sdr_support_scene *support)
 {
   check_layer_schedule(rd, map, &support->schedule);
   for (int c = 0; c < 3; ++c) {
@@ -178,7 +178,7 @@ static void check_mirror(sdr_reading *rd, sdr_node *map, const sdr_support *supp
   }
 }
 
-static void read_depth(sdr_reading *rd, sdr_node *map, sdr_support *support)
+static void read_depth(sdr_reading *rd, sdr_node *map, sdr_support_scene *support)
 {
   support->depth = (sdr_length){1, 1};
   if (read_support_layer(rd, map, support)) return;
@@ -193,7 +193,7 @@ static void read_depth(sdr_reading *rd, sdr_node *map, sdr_support *support)
 
 static void check_support_name(sdr_reading *rd, sdr_node *map, int index)
 {
-  const sdr_support *support = rd->scene->support;
+  const sdr_support_scene *support = rd->scene->support;
   for (int k = 0; k < index; ++k) {
     if (strcmp(support[k].name, support[index].name) != 0) continue;
     sdr_read_error(rd->reader, sdr_node_find(map, "name")->origin,
@@ -205,7 +205,7 @@ static void check_support_name(sdr_reading *rd, sdr_node *map, int index)
 static void read_support(sdr_reading *rd, sdr_node *item, int index)
 {
   sdr_reader *r = rd->reader;
-  sdr_support *support = &rd->scene->support[index];
+  sdr_support_scene *support = &rd->scene->support[index];
   char name[SDR_NAME_MAX];
   support->origin = item->origin;
   if (!sdr_read_is(r, item, SDR_MAPPING, "a support, {on: ..., displacement: {...}}")) return;

@@ -41,6 +41,9 @@ static void read_jitter(sdr_reading *rd, sdr_node *map)
   if (sdr_read_integer(rd->reader, jitter, "seed", 0, INT64_MAX, "1", &seed)) {
     points->jitter_seed = (uint64_t)seed;
   }
+  /* Conditions of equations are met at points on the boundary. */
+  const char *inside = sdr_node_find(rd->root, "equation") ? "true" : SDR_OPTIONAL;
+  sdr_read_flag(rd->reader, jitter, "inside", inside, &points->jitter_inside);
   sdr_read_done(rd->reader, jitter);
 }
 

@@ -185,10 +185,10 @@ static void read_top(sdr_reading *rd)
 static void read_sections(sdr_reading *rd)
 {
   static const char *const dimensions[] = {"1d", "plane_stress", "plane_strain", "3d", NULL};
-  static const char *const keys[] = {"title",    "dimension", "points",   "horizon",  "family",
-                                     "material", "materials", "damage",   "regions",  "cracks",
-                                     "initial",  "loads",     "supports", "time",     "output",
-                                     "figures",  "variants",  "threads",  "precision"};
+  static const char *const keys[] = {"title",    "dimension", "points",   "horizon",   "family",
+                                     "material", "materials", "damage",   "regions",   "cracks",
+                                     "initial",  "loads",     "supports", "time",      "output",
+                                     "figures",  "variants",  "threads",  "precision", "equation"};
   int dimension;
   for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
     sdr_read_allow(rd->reader, rd->root, keys[k]);
@@ -198,6 +198,12 @@ static void read_sections(sdr_reading *rd)
   rd->reader->dimension = rd->scene->dimension = (sdr_dimension)dimension;
   read_top(rd);
   sdr_read_regions(rd);
+  if (sdr_node_find(rd->root, "equation")) {
+    sdr_read_points(rd);
+    sdr_read_equation(rd);
+    sdr_read_figures(rd);
+    return;
+  }
   sdr_read_model(rd);
   sdr_read_points(rd);
   sdr_read_family(rd);

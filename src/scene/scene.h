@@ -85,7 +85,8 @@ typedef struct {
   double angle;          /* lattice axes turned by this about the origin, anticlockwise, radians */
   double jitter; /* each coordinate moved by uniform noise of +- this share of the spacing */
   uint64_t jitter_seed;
-  double thickness; /* m: 2-D; in 1-D the area in m^2; default 1 */
+  int jitter_inside; /* 1: points within a quarter of a spacing of the surface stay */
+  double thickness;  /* m: 2-D; in 1-D the area in m^2; default 1 */
   int refine_count;
   sdr_refine *refine;
   char import_file[512]; /* "": none; a CSV or mesh file instead of shape and spacing */
@@ -194,7 +195,7 @@ typedef struct {
   sdr_expression *value[3]; /* m or m/s; NULL where free */
   sdr_schedule schedule;
   sdr_origin origin;
-} sdr_support;
+} sdr_support_scene;
 
 /* Start values on a place; later entries overwrite earlier ones. */
 typedef struct {
@@ -289,6 +290,43 @@ typedef struct {
   double ring_centre[3];
 } sdr_output_scene;
 
+/* ---- equations ------------------------------------------------------------------------------- */
+
+/* What nonlocal operators solve instead of moving a body, key `equation` (scene/equation.h). */
+typedef enum { SDR_POISSON, SDR_PLATE, SDR_ELASTICITY, SDR_GRADIENT_ELASTICITY } sdr_equation_kind;
+enum { SDR_EQUATION_NUMBERS = 4, SDR_EQUATION_PLACES = 6, SDR_EQUATION_COARSER = 8 };
+
+/* A condition on some places; later ones overwrite earlier ones where they meet. */
+typedef struct {
+  int condition; /* which of its kind */
+  int place_count;
+  sdr_place on[SDR_EQUATION_PLACES];
+  int is_exact;             /* the value is that of the exact solution */
+  sdr_expression *value[3]; /* SI; NULL: that component is left alone */
+  sdr_origin origin;
+} sdr_boundary;
+
+typedef struct {
+  sdr_equation_kind kind;
+  int variational;   /* 0: collocation */
+  int order;         /* of the operators */
+  int nearest;       /* points in a support; 0: all within `radius` */
+  sdr_length radius; /* relative: spacings */
+  sdr_weight_function weight;
+  int enlarge;     /* 1: supports of singular points grow; 0: they stop the run */
+  double penalty;  /* of the operator energy, over the equation's own constant */
+  char solver[16]; /* as in sdr_time_scene */
+  double number[SDR_EQUATION_NUMBERS]; /* constants of the kind, SI */
+  sdr_expression *source[3];           /* NULL: 0 */
+  sdr_expression *exact[3];            /* NULL: not known */
+  sdr_expression *exact_stress[6];     /* likewise, in the order of sdr_model_field */
+  int boundary_count;
+  sdr_boundary *boundary;
+  int coarser_count;
+  double coarser[SDR_EQUATION_COARSER]; /* m, falling: spacings that are solved before the body's */
+  sdr_origin origin;
+} sdr_equation;
+
 typedef struct sdr_scene {
   char path[512];             /* the file read */
   char name[SDR_NAME_MAX];    /* folder under problems/ or file name without .yaml */
@@ -319,8 +357,9 @@ typedef struct sdr_scene {
   int load_count;
   sdr_load *load;
   int support_count;
-  sdr_support *support;
+  sdr_support_scene *support;
   sdr_time_scene time;
+  sdr_equation *equation; /* NULL: a body in motion; else material, loads, time, ... are unread */
   sdr_output_scene output;
   int figure_count;
   sdr_figure *figure;

@@ -51,7 +51,7 @@ const char *sdr_shape_face_list(const sdr_shape *shape, sdr_dimension dimension)
 
 /* points.c, family.c, material.c, damage.c, cracks.c, conditions.c, run.c */
 void sdr_read_points(sdr_reading *reading);
-void sdr_read_model(sdr_reading *reading); /* of the first material; its errors come later */
+void sdr_read_model(sdr_reading *reading);     /* of the first material; its errors come later */
 void sdr_read_family(sdr_reading *reading);    /* after model */
 void sdr_read_damage(sdr_reading *reading);    /* after model */
 void sdr_read_materials(sdr_reading *reading); /* after damage: the law decides on toughness */
@@ -66,5 +66,7 @@ void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */
 void sdr_read_measures(sdr_reading *reading, sdr_node *output);
 void sdr_read_figures(sdr_reading *reading);
+/* equation.c: all of a scene with an equation but title, regions, points and figures. */
+void sdr_read_equation(sdr_reading *reading);
 
 #endif

@@ -7,7 +7,7 @@ enum { N = 12 }; /* unknowns of 6 points in 2-D */
 static const body_how plate = {.dimension = SDR_PLANE_STRESS, .cells = {3, 2}};
 
 /* Supports that name both components of point 0 and the second of point 3. */
-static sdr_support held[2] = {
+static sdr_support_scene held[2] = {
     {.name = "a", .kind = {SDR_PRESCRIBED_DISPLACEMENT, SDR_PRESCRIBED_DISPLACEMENT, SDR_FREE}},
     {.name = "b", .kind = {SDR_FREE, SDR_PRESCRIBED_DISPLACEMENT, SDR_FREE}}};
 static sdr_shape corner[2];

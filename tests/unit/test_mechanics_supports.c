@@ -15,7 +15,7 @@ static sdr_shape square = {.kind = SDR_BOX, .high = {4, 4, 0}};
 
 typedef struct {
   sdr_scene scene;
-  sdr_support support[3];
+  sdr_support_scene support[3];
   sdr_points *points;
   sdr_supports *supports;
   double values[64];
@@ -35,19 +35,20 @@ static void set_up(bench *b)
   assert_int_equal(sdr_points_arrange(b->points), SDR_OK);
 }
 
-static sdr_support *add_support(bench *b, const char *name, const char *face)
+static sdr_support_scene *add_support(bench *b, const char *name, const char *face)
 {
-  sdr_support *support = &b->support[b->scene.support_count++];
-  *support = (sdr_support){.schedule = {-HUGE_VAL, HUGE_VAL, 0},
-                           .depth = {0.5, 1},
-                           .origin = {"plate.yaml", 20 + b->scene.support_count, 5}};
+  sdr_support_scene *support = &b->support[b->scene.support_count++];
+  *support = (sdr_support_scene){.schedule = {-HUGE_VAL, HUGE_VAL, 0},
+                                 .depth = {0.5, 1},
+                                 .origin = {"plate.yaml", 20 + b->scene.support_count, 5}};
   snprintf(support->name, sizeof support->name, "%s", name);
   snprintf(support->on.face, sizeof support->on.face, "%s", face);
   snprintf(support->on.text, sizeof support->on.text, "%s", face);
   return support;
 }
 
-static void prescribe(sdr_support *support, int component, sdr_support_kind kind, const char *text)
+static void prescribe(sdr_support_scene *support, int component, sdr_support_kind kind,
+                      const char *text)
 {
   support->kind[component] = kind;
   if (!text) return;
@@ -87,7 +88,8 @@ static void entries_come_by_point_then_component(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *right = add_support(&b, "pull", "right"), *left = add_support(&b, "hold", "left");
+  sdr_support_scene *right = add_support(&b, "pull", "right"),
+                    *left = add_support(&b, "hold", "left");
   prescribe(right, 1, SDR_PRESCRIBED_VELOCITY, "3 m/s");
   prescribe(left, 1, SDR_PRESCRIBED_DISPLACEMENT, NULL);
   prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, "2 m");
@@ -118,7 +120,7 @@ static void depth_counts_in_spacings_or_metres_and_includes_its_end(void **state
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
     bench b;
     set_up(&b);
-    sdr_support *left = add_support(&b, "hold", "left");
+    sdr_support_scene *left = add_support(&b, "hold", "left");
     left->depth = cases[k].depth;
     prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, NULL);
     create(&b);
@@ -133,7 +135,7 @@ static void a_volume_supports_its_points_and_the_body_all(void **state)
   bench b;
   set_up(&b);
   sdr_shape corner = {.kind = SDR_BOX, .low = {-1, -1, 0}, .high = {1, 1, 0}};
-  sdr_support *support = add_support(&b, "corner", "");
+  sdr_support_scene *support = add_support(&b, "corner", "");
   support->on.shape = &corner;
   prescribe(support, 0, SDR_PRESCRIBED_DISPLACEMENT, NULL);
   create(&b);
@@ -150,7 +152,7 @@ static void values_follow_ramp_and_schedule(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *left = add_support(&b, "hold", "left");
+  sdr_support_scene *left = add_support(&b, "hold", "left");
   left->schedule = (sdr_schedule){1.0, 5.0, 2.0};
   prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, "8 m * t / (1 s)");
   create(&b);
@@ -190,7 +192,7 @@ static void formulas_see_the_reference_place(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *left = add_support(&b, "hold", "left");
+  sdr_support_scene *left = add_support(&b, "hold", "left");
   prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, "y / 10");
   prescribe(left, 1, SDR_PRESCRIBED_VELOCITY, "y * t / (1 s^2)");
   create(&b);
@@ -210,7 +212,7 @@ static void two_supports_for_one_component_are_refused(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *left = add_support(&b, "hold", "left"), *top = add_support(&b, "pull", "top");
+  sdr_support_scene *left = add_support(&b, "hold", "left"), *top = add_support(&b, "pull", "top");
   prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, NULL);
   prescribe(top, 0, SDR_PRESCRIBED_VELOCITY, NULL);
   const size_t before = sdr_memory_now();
@@ -233,7 +235,8 @@ static void one_support_may_take_over_where_another_ends(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *late = add_support(&b, "late", "left"), *early = add_support(&b, "early", "left");
+  sdr_support_scene *late = add_support(&b, "late", "left"),
+                    *early = add_support(&b, "early", "left");
   late->schedule.from = 2.0;
   early->schedule.until = 2.0;
   prescribe(late, 0, SDR_PRESCRIBED_DISPLACEMENT, "7 m");
@@ -265,7 +268,7 @@ static void a_support_without_points_is_refused(void **state)
   evaluate(&b, 0.0);
   sdr_supports_destroy(&b.supports);
   sdr_shape away = {.kind = SDR_BOX, .low = {9, 9, 0}, .high = {10, 10, 0}};
-  sdr_support *support = add_support(&b, "grip", "");
+  sdr_support_scene *support = add_support(&b, "grip", "");
   support->on.shape = &away;
   snprintf(support->on.text, sizeof support->on.text, "away");
   prescribe(support, 0, SDR_PRESCRIBED_DISPLACEMENT, NULL);
@@ -286,7 +289,7 @@ static void a_formula_that_is_not_finite_names_the_support(void **state)
   (void)state;
   bench b;
   set_up(&b);
-  sdr_support *left = add_support(&b, "hold", "left");
+  sdr_support_scene *left = add_support(&b, "hold", "left");
   prescribe(left, 1, SDR_PRESCRIBED_DISPLACEMENT, "1 m * (1 m) / y");
   assert_int_equal(sdr_supports_create(&b.scene, b.points, &b.supports), SDR_BAD_INPUT);
   const char *start = "plate.yaml:21:5: support 'hold', y component: ";

@@ -130,13 +130,13 @@ static void supports_add_the_sum_of_their_own_reactions(void **state)
 {
   (void)state;
   body b;
-  sdr_support supports[2];
+  sdr_support_scene supports[2];
   sdr_expression *zero = NULL;
   const sdr_unit metre = {1, 0, 0, 0};
   assert_int_equal(sdr_expression_create("0", metre, NULL, NULL, &zero), SDR_OK);
   body_create(&b, 3, 2);
   for (int k = 0; k < 2; ++k) { /* the whole body, one after the other */
-    supports[k] = (sdr_support){.schedule = {-HUGE_VAL, HUGE_VAL, 0.0}, .depth = {1.0, 1}};
+    supports[k] = (sdr_support_scene){.schedule = {-HUGE_VAL, HUGE_VAL, 0.0}, .depth = {1.0, 1}};
     supports[k].kind[0] = SDR_PRESCRIBED_DISPLACEMENT;
     supports[k].value[0] = zero;
   }
