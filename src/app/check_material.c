@@ -1,7 +1,7 @@
 #include "app/check_material.h"
 
+#include "app/constants.h"
 #include "damage/calibration.h"
-#include "mechanics/state_body.h"
 
 #include <math.h>
 
@@ -81,55 +81,34 @@ static sdr_status print_bond_based(const sdr_built *built, const sdr_material *m
 
 /* ---- state-based ----------------------------------------------------------------------------- */
 
-static void print_control(const sdr_built *built, FILE *out)
+static void print_control(const sdr_scene *scene, const sdr_material_constants *c, FILE *out)
 {
   static const char *const laws[] = {"linear", "saint_venant_kirchhoff", "neo_hookean"};
-  const sdr_scene *scene = built->scene;
-  const sdr_model_traits *traits = &built->traits;
   fprintf(out, "  elasticity        %s\n", laws[scene->elasticity]);
   fprintf(out, "  control           P_s %.5g GPa%s, P_n %.5g GPa%s, of the first point\n",
-          traits->control_shear * 1e-9, isnan(scene->control_shear) ? "" : " (given)",
-          traits->control_normal * 1e-9, isnan(scene->control_normal) ? "" : " (given)");
-  fprintf(out, "  shape tensors     condition up to %.4g\n", traits->condition);
+          c->control_shear * 1e-9, isnan(scene->control_shear) ? "" : " (given)",
+          c->control_normal * 1e-9, isnan(scene->control_normal) ? "" : " (given)");
+  fprintf(out, "  shape tensors     condition up to %.4g\n", c->condition);
 }
 
-/* The first point of a material; 0 if it has none. */
-static int32_t first_point(const sdr_points *points, int material)
-{
-  for (int32_t i = 0; i < points->count; ++i)
-    if (points->material[i] == material) return i;
-  return 0;
-}
-
-static void print_toughness(const sdr_built *built, const sdr_material *material, FILE *out)
-{
-  static const char *const splits[] = {"dilatation", "spectral"};
-  const sdr_scene *scene = built->scene;
-  double ell, threshold;
-  const int32_t i = first_point(built->points, (int)(material - scene->material));
-  sdr_state_constants(built->model, i, &ell, &threshold);
-  if (scene->damage.law == SDR_LAW_VARIATIONAL)
-    fprintf(out, "  damage            ell %.5g m, Gc/ell %.5g J/m^3, split %s\n", ell,
-            material->toughness / ell, splits[scene->split]);
-  if (scene->damage.law == SDR_LAW_CRITICAL_STRETCH)
-    fprintf(out, "  %-17s %.4g\n", "stretch s0", sqrt(threshold));
-}
-
-static void print_state_based(const sdr_built *built, const sdr_material *material, FILE *out)
+static void print_state_based(const sdr_built *built, int index, FILE *out)
 {
   static const char *const forms[] = {"standard", "madenci_oterkus"};
+  static const char *const splits[] = {"dilatation", "spectral"};
   const sdr_scene *scene = built->scene;
-  const double nu = isnan(material->poisson) ? 0.0 : material->poisson;
-  const double bulk = sdr_state_bulk(scene->dimension, material->young, nu);
-  const double shear = sdr_state_shear(scene->dimension, material->young, nu);
-  if (scene->dimension != SDR_1D) fprintf(out, "  poisson           %g\n", nu);
-  fprintf(out, "  K, G              %.5g GPa (of %d dimensions), %.5g GPa\n", bulk * 1e-9,
-          sdr_components(scene->dimension), shear * 1e-9);
+  const sdr_material_constants c = sdr_constants_of(built, index);
+  if (scene->dimension != SDR_1D) fprintf(out, "  poisson           %g\n", c.poisson);
+  fprintf(out, "  K, G              %.5g GPa (of %d dimensions), %.5g GPa\n", c.bulk * 1e-9,
+          sdr_components(scene->dimension), c.shear * 1e-9);
   if (scene->model == SDR_ORDINARY)
     fprintf(out, "  form              %s\n", forms[scene->form]);
   else
-    print_control(built, out);
-  print_toughness(built, material, out);
+    print_control(scene, &c, out);
+  if (scene->damage.law == SDR_LAW_VARIATIONAL)
+    fprintf(out, "  damage            ell %.5g m, Gc/ell %.5g J/m^3, split %s\n", c.ell,
+            scene->material[index].toughness / c.ell, splits[scene->split]);
+  if (scene->damage.law == SDR_LAW_CRITICAL_STRETCH)
+    fprintf(out, "  %-17s %.4g\n", "stretch s0", c.critical_stretch);
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */
@@ -161,7 +140,7 @@ sdr_status sdr_check_materials(const sdr_built *built, FILE *out)
     if (scene->model == SDR_BOND_BASED)
       SDR_TRY(print_bond_based(built, material, out));
     else
-      print_state_based(built, material, out);
+      print_state_based(built, m, out);
   }
   return SDR_OK;
 }

@@ -1,6 +1,7 @@
 #include "app/run.h"
 
 #include "app/build.h"
+#include "app/constants.h"
 #include "app/figures.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -266,7 +267,11 @@ static sdr_status summarise(run *r, FILE *out)
   const double from = wall();
   sdr_ring_counts ring = {0};
   sdr_measured *measured = NULL;
+  const int state_based = built->scene->model != SDR_BOND_BASED;
+  sdr_material_constants constants = {0};
+  if (state_based) constants = sdr_constants_of(built, 0);
   sdr_summary summary = {.scene = built->scene,
+                         .constants = state_based ? &constants : NULL,
                          .commit = SUNDER_COMMIT,
                          .instruction_set = built->traits.isa,
                          .threads = sdr_threads(),
