@@ -84,4 +84,12 @@ SDR_INLINE sdr_lanes root_lanes(sdr_lanes x)
 #endif
 }
 
+/* a where x > y, else b. */
+SDR_INLINE sdr_lanes where_above(sdr_lanes x, sdr_lanes y, sdr_lanes a, sdr_lanes b)
+{
+  typedef int64_t lane_bits __attribute__((vector_size(8 * SDR_WIDTH)));
+  const lane_bits mask = x > y;
+  return (sdr_lanes)((mask & (lane_bits)a) | (~mask & (lane_bits)b));
+}
+
 #endif

@@ -1,4 +1,4 @@
-/* Non-ordinary (correspondence) state-based bodies with zero-energy control (theory sec. 9). */
+/* Non-ordinary (correspondence) state-based bodies with zero-energy control (theory sec. 11). */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"

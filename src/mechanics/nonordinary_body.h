@@ -1,4 +1,4 @@
-/* What the kernels of non-ordinary bodies read and write (theory sec. 9). All arrays are over the
+/* What the kernels of non-ordinary bodies read and write (theory sec. 11). All arrays are over the
    points, padded. Weights of pairs are W_ij = omega_ij V_i V_j, so sums over a family carry V_i. */
 #ifndef SDR_MECHANICS_NONORDINARY_BODY_H
 #define SDR_MECHANICS_NONORDINARY_BODY_H

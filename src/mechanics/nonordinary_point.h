@@ -133,26 +133,184 @@ SDR_INLINE void point_at(const int n, const int elasticity, const int split, con
                 intact * body->normal[i]);
 }
 
+/* ---- small strains, in lanes ----------------------------------------------------------------- */
+
+/* out = a K^-1 */
+SDR_INLINE void lanes_times_inverse(const int n, const sdr_nonordinary_body *body, int64_t i,
+                                    int count, const sdr_lanes *a, sdr_lanes *out)
+{
+  sdr_lanes inverse[6];
+  for (int k = 0; k < n * (n + 1) / 2; ++k) inverse[k] = load_lanes(body->inverse[k] + i, count);
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; ++c) {
+      out[n * r + c] = a[n * r] * inverse[sdr_upper(n, 0, c)];
+      for (int k = 1; k < n; ++k) out[n * r + c] += a[n * r + k] * inverse[sdr_upper(n, k, c)];
+    }
+}
+
+SDR_INLINE sdr_lanes lanes_contract(const int n, const sdr_lanes *a, const sdr_lanes *b)
+{
+  sdr_lanes sum = a[0] * b[0];
+  for (int k = 1; k < n * n; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+/* family_state of points i and after. */
+typedef struct {
+  sdr_lanes g[9], strain[9], s[9], square, along;
+} sdr_lanes_state;
+
+SDR_INLINE void lanes_state(const int n, const int sums, const sdr_nonordinary_body *body,
+                            int64_t i, int count, sdr_lanes_state *out)
+{
+  sdr_lanes m[9], q[9], quartic[15], last = all_lanes(0.0);
+  int kept = 0;
+  load_all(n * n, body->gradient, i, count, m);
+  for (int a = 0; a < n; ++a) last += m[(n + 1) * a];
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) {
+      q[n * a + b] = last;
+      if (kept < kept_of_normal(n)) q[n * a + b] = load_lanes(body->bearing[kept] + i, count);
+      q[n * b + a] = q[n * a + b];
+      ++kept;
+      if (a == b) last -= q[n * a + b];
+    }
+  lanes_times_inverse(n, body, i, count, m, out->g);
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b)
+      out->strain[n * a + b] = 0.5 * (out->g[n * a + b] + out->g[n * b + a]);
+  for (int k = 0; k < (n == 1 ? 1 : n == 2 ? 5 : 15); ++k)
+    quartic[k] = load_lanes(body->quartic[k] + i, count);
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) {
+      sdr_lanes sum = -q[n * a + b];
+      for (int c = 0; c < n; ++c)
+        for (int d = 0; d < n; ++d)
+          sum += quartic[sdr_quartic_index(n, a, b, c, d)] * out->strain[n * c + d];
+      out->s[n * a + b] = out->s[n * b + a] = sum;
+    }
+  if (!sums) return;
+  out->square = load_lanes(body->square + i, count) - lanes_contract(n, out->g, m);
+  out->along = load_lanes(body->along + i, count) - lanes_contract(n, out->strain, q) +
+               lanes_contract(n, out->strain, out->s);
+}
+
+/* The linear law, whole or split by dilatation: stress is shear + I grown (psi+) and I shrunk. */
+typedef struct {
+  sdr_lanes shear[9], grown, shrunk, plus, minus;
+} sdr_lanes_stress;
+
+SDR_INLINE void lanes_stress(const int n, const int split, const sdr_nonordinary_body *body,
+                             int64_t i, int count, const sdr_lanes *e, sdr_lanes_stress *out)
+{
+  const sdr_lanes mu = load_lanes(body->mu + i, count), zero = all_lanes(0.0);
+  const sdr_lanes bulk = load_lanes(body->lambda + i, count) + (2.0 / n) * mu;
+  sdr_lanes trace = e[0], square = zero;
+  for (int a = 1; a < n; ++a) trace += e[(n + 1) * a];
+  const sdr_lanes share = (1.0 / n) * trace;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      const sdr_lanes part = a == b ? e[n * a + b] - share : e[n * a + b];
+      square += part * part;
+      out->shear[n * a + b] = 2.0 * mu * part;
+    }
+  const sdr_lanes grown = split == SDR_SPLIT_WHOLE ? trace : where_above(trace, zero, trace, zero);
+  const sdr_lanes shrunk = trace - grown;
+  out->grown = bulk * grown;
+  out->shrunk = bulk * shrunk;
+  out->plus = 0.5 * bulk * grown * grown + mu * square;
+  out->minus = 0.5 * bulk * shrunk * shrunk;
+}
+
+/* store_bearing of points i and after. */
+SDR_INLINE void lanes_bearing(const int n, const sdr_nonordinary_body *body, int64_t i, int count,
+                              const sdr_lanes_state *state, const sdr_lanes *stress,
+                              sdr_lanes intact)
+{
+  const sdr_lanes soft = intact * load_lanes(body->shear + i, count);
+  const sdr_lanes stiff = intact * load_lanes(body->normal + i, count);
+  const sdr_lanes volume = load_lanes(body->points->volume + i, count);
+  sdr_lanes sum[9], a[9];
+  for (int k = 0; k < n * n; ++k) sum[k] = volume * stress[k] + stiff * state->s[k];
+  lanes_times_inverse(n, body, i, count, sum, a);
+  for (int k = 0; k < n * n; ++k) {
+    store_lanes(body->bearing[k] + i, count, a[k] - soft * state->g[k]);
+    store_lanes(body->gradient[k] + i, count, state->strain[k]);
+  }
+  store_lanes(body->soft + i, count, soft);
+  store_lanes(body->stiff + i, count, stiff);
+}
+
+SDR_INLINE void linear_lanes(const int n, const int split, const int task,
+                             const sdr_nonordinary_body *body, int64_t i, int count)
+{
+  const sdr_lanes one = all_lanes(1.0), zero = all_lanes(0.0);
+  sdr_lanes_state state;
+  sdr_lanes_stress law;
+  lanes_state(n, task != SDR_POINT_ELASTIC, body, i, count, &state);
+  lanes_stress(n, split, body, i, count, state.strain, &law);
+  sdr_lanes intact = one;
+  if (task != SDR_POINT_ELASTIC) {
+    const sdr_lanes volume = load_lanes(body->points->volume + i, count);
+    const sdr_lanes control = 0.5 * (load_lanes(body->shear + i, count) * state.square +
+                                     load_lanes(body->normal + i, count) * state.along);
+    const sdr_lanes plus =
+        law.plus +
+        where_above(volume, zero, control / where_above(volume, zero, volume, one), zero);
+    if (task == SDR_POINT_ENERGY) {
+      store_lanes(body->plus + i, count, plus);
+      store_lanes(body->minus + i, count, law.minus);
+      for (int k = 0; k < n * n; ++k) store_lanes(body->gradient[k] + i, count, state.strain[k]);
+      return;
+    }
+    const sdr_lanes before = load_lanes(body->history + i, count);
+    const sdr_lanes grown = where_above(plus, before, plus, before);
+    const sdr_lanes left = one / (one + grown * load_lanes(body->softness + i, count));
+    if (body->commit) store_lanes(body->history + i, count, grown);
+    intact = left * left;
+  }
+  for (int a = 0; a < n; ++a) {
+    for (int b = 0; b < n; ++b) law.shear[n * a + b] *= intact;
+    law.shear[(n + 1) * a] += intact * law.grown + law.shrunk;
+  }
+  lanes_bearing(n, body, i, count, &state, law.shear, intact);
+}
+
 SDR_INLINE void points_of(const int n, const int elasticity, const int split, const int task,
                           const sdr_nonordinary_body *body, int32_t first, int32_t end)
 {
+  if (elasticity == SDR_LINEAR && split != SDR_SPLIT_SPECTRAL) {
+    int32_t i = first;
+    for (; i + SDR_WIDTH <= end; i += SDR_WIDTH) linear_lanes(n, split, task, body, i, SDR_WIDTH);
+    if (i < end) linear_lanes(n, split, task, body, i, end - i);
+    return;
+  }
 #pragma omp simd
   for (int32_t i = first; i < end; ++i) point_at(n, elasticity, split, task, body, i);
+}
+
+SDR_INLINE void gradients_of_lanes(const int n, const sdr_nonordinary_body *body, int64_t i,
+                                   int count)
+{
+  const sdr_lanes zero = all_lanes(0.0);
+  sdr_lanes m[9], g[9];
+  load_all(n * n, body->gradient, i, count, m);
+  lanes_times_inverse(n, body, i, count, m, g);
+  for (int k = 0; k < n * n; ++k) {
+    store_lanes(body->gradient[k] + i, count, g[k]);
+    store_lanes(body->bearing[k] + i, count, zero);
+  }
+  store_lanes(body->square + i, count, zero);
+  store_lanes(body->along + i, count, zero);
 }
 
 /* G of M; the sums of pass A2 start at zero. */
 SDR_INLINE void gradients_of(const int n, const sdr_nonordinary_body *body, int32_t first,
                              int32_t end)
 {
-#pragma omp simd
-  for (int32_t i = first; i < end; ++i) {
-    double m[9], g[9];
-    load_matrix(n, body->gradient, i, m);
-    times_inverse(n, body, i, m, g);
-    store_matrix(n, g, i, body->gradient);
-    for (int k = 0; k < n * n; ++k) body->bearing[k][i] = 0.0;
-    body->square[i] = body->along[i] = 0.0;
-  }
+  int32_t i = first;
+  for (; i + SDR_WIDTH <= end; i += SDR_WIDTH) gradients_of_lanes(n, body, i, SDR_WIDTH);
+  if (i < end) gradients_of_lanes(n, body, i, end - i);
 }
 
 #endif

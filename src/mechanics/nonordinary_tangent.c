@@ -2,7 +2,7 @@
    own family, so the Hessian is a sum of one dense block per family. With h = (z.n)^2/2 of the
    control's normal part, a change of the relative displacements changes the state
    T = W (A xi + g (shear z + normal dh/deta)), A = (V (g P+ + P-) + g normal S) K^-1,
-   S = sum W dh/dp (x) xi, p = G xi, term by term (theory sec. 9). */
+   S = sum W dh/dp (x) xi, p = G xi, term by term (theory sec. 11). */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"

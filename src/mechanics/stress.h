@@ -1,6 +1,6 @@
 /* Elastic laws of a point: energy density psi of the displacement gradient G = F - I (n x n, row
    major), split into the part psi+ that drives damage and the part psi- that damage leaves alone,
-   and the first Piola stresses P+- = d psi+-/dF (theory sec. 9).
+   and the first Piola stresses P+- = d psi+-/dF (theory sec. 11).
 
      linear                psi = lambda/2 tr(e)^2 + mu e:e, e = sym G
      saint_venant_kirchhoff  the same with Green's strain e = (G + G^T + G^T G)/2

@@ -197,7 +197,7 @@ static inline void plain_gradient(const plain_body *plain, int32_t i, double *co
       for (int c = 0; c < n; ++c) at->g[n * a + b] += m[n * a + c] * at->inverse[n * c + b];
 }
 
-/* P_s and P_n of theory sec. 5. */
+/* P_s and P_n of theory sec. 11. */
 static inline void plain_control(const nonordinary *of, int32_t i, double *p_shear,
                                  double *p_normal)
 {
