@@ -67,7 +67,8 @@ static void layers_follow_the_body_by_the_map_that_statics_takes(void **state)
       sum += slaves.coefficient[p] * u[slaves.master[p] % 2][slaves.master[p] / 2];
     }
     assert_int_equal(slaves.apart[k], (points->layer[slaves.unknown[k] / 2] & SDR_LAYERS) == 3);
-    assert_near(u[slaves.unknown[k] % 2][slaves.unknown[k] / 2], sum, 1e-15);
+    const double followed = u[slaves.unknown[k] % 2][slaves.unknown[k] / 2];
+    assert_near(followed, sum, 1e-15);
   }
   sdr_slaves_destroy(&slaves);
   vector_destroy(u);
