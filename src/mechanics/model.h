@@ -62,7 +62,8 @@ typedef struct {
   double control_shear, control_normal, condition;
 } sdr_model_traits;
 
-/* u and f: `components` arrays of points->count values. Unused components are NULL. */
+/* u and f: `components` arrays of points->count values, readable up to sdr_points_padded (kernels
+   read whole vectors). Unused components are NULL. */
 typedef struct {
   const char *name;
 
