@@ -177,14 +177,18 @@ static sdr_status integrate(run *r, int resumed)
 
 static sdr_status damage_of_points(const run *r, sdr_summary *summary)
 {
-  const int32_t count = r->built.points->count;
-  double *damage = sdr_alloc((size_t)count, sizeof *damage);
+  const sdr_points *points = r->built.points;
+  int32_t count = 0;
+  double *damage = sdr_alloc((size_t)points->count, sizeof *damage);
   if (!damage) return SDR_RUN_FAILED;
   const sdr_status status = sdr_system_field(r->built.system, "damage", damage);
-  for (int32_t i = 0; status == SDR_OK && i < count; ++i) {
+  for (int32_t i = 0; status == SDR_OK && i < points->count; ++i) {
+    if (!sdr_in_body(points, i)) continue;
     summary->damage_max = fmax(summary->damage_max, damage[i]);
-    summary->damage_mean += damage[i] / count;
+    summary->damage_mean += damage[i];
+    ++count;
   }
+  summary->damage_mean /= count;
   sdr_free(damage);
   return status;
 }

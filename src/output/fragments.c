@@ -25,6 +25,7 @@
 /* Trees over points. angle[i]: that of point i minus that of its parent; NULL if not asked for.
    closed[root]: the tree holds a cycle around the centre. */
 typedef struct {
+  const sdr_points *points; /* those of fictitious layers belong to no piece */
   int32_t *parent, *size;
   double *angle;
   const double *polar; /* angle of each point about the centre */
@@ -66,9 +67,9 @@ static void join_pair(void *context, int32_t i, int32_t j, double damage)
 {
   forest *trees = context;
   double turn_i, turn_j;
-  const double *points = trees->damage;
-  if (points ? !(points[i] >= trees->threshold && points[j] >= trees->threshold)
-             : !(damage < trees->threshold))
+  const double *at = trees->damage;
+  if (!sdr_in_body(trees->points, i) || !sdr_in_body(trees->points, j)) return;
+  if (at ? !(at[i] >= trees->threshold && at[j] >= trees->threshold) : !(damage < trees->threshold))
     return;
   int32_t a = find(trees, i, &turn_i), b = find(trees, j, &turn_j);
   /* Angle of root b minus that of root a, by way of this pair. */
@@ -103,7 +104,8 @@ static sdr_status forest_grow(sdr_system *system, double threshold, const double
                               const double *damage, forest *trees)
 {
   const size_t count = (size_t)system->count;
-  *trees = (forest){.polar = polar, .threshold = threshold, .damage = damage};
+  *trees = (forest){
+      .points = system->model->points, .polar = polar, .threshold = threshold, .damage = damage};
   trees->parent = sdr_alloc(count, sizeof *trees->parent);
   trees->size = sdr_alloc(count, sizeof *trees->size);
   if (polar) {
@@ -142,7 +144,7 @@ static void order_parts(forest *trees, int32_t points, part *parts, int32_t *slo
   for (int32_t i = 0; i < points; ++i) slot[i] = -1;
   for (int32_t i = 0; i < points; ++i) {
     const int32_t root = find(trees, i, &unused);
-    if (slot[root] >= 0) continue;
+    if (slot[root] >= 0 || !sdr_in_body(trees->points, i)) continue;
     slot[root] = found;
     parts[found++] = (part){root, trees->size[root], i};
   }

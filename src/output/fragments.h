@@ -11,7 +11,8 @@ typedef struct {
 } sdr_fragments;
 
 /* piece: points->count numbers out, or NULL; pieces are numbered 0.. by falling size, equal ones by
-   their lowest point. A pair with damage >= threshold holds nothing together. */
+   their lowest point. A pair with damage >= threshold holds nothing together. Points of fictitious
+   layers belong to none: -1. */
 sdr_status sdr_fragments_find(sdr_system *system, double threshold, int32_t *piece,
                               sdr_fragments *out);
 

@@ -54,7 +54,9 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
     return SDR_OK;
   }
   double most = 0.0;
-  for (int32_t i = 0; i < o->count; ++i) most = fmax(most, o->damage[i] - (double)o->first[i]);
+  for (int32_t i = 0; i < o->count; ++i)
+    if (sdr_in_body(moment->system->model->points, i))
+      most = fmax(most, o->damage[i] - (double)o->first[i]);
   if (most > o->threshold) o->now.found = moment->time;
   return SDR_OK;
 }

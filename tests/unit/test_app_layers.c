@@ -1,5 +1,5 @@
 /* Scenes with fictitious layers: what is made of them, and the messages for wrong use. */
-#include "app/run.h"
+#include "output/fragments.h"
 #include "support/scene_text.h"
 
 static const char rest[] = "material: {young: 200 GPa, density: 7850 kg/m^3}\n"
@@ -102,6 +102,35 @@ static void forces_are_mapped_by_the_transpose(void **state)
   sdr_built_destroy(&built);
 }
 
+static void points_of_layers_belong_to_no_piece_support_load_or_probe(void **state)
+{
+  (void)state;
+  sdr_built built;
+  sdr_fragments found;
+  scene_build(&built,
+              "%scracks: [{segment: {from: [5 mm, -1 mm], to: [5 mm, 11 mm]}}]\n"
+              "damage: {law: variational}\n"
+              "material: {young: 200 GPa, density: 7850 kg/m^3, toughness: 10 J/m^2}\n"
+              "supports:\n- {on: left, layer: mirror, displacement: {x: 0}}\n"
+              "- {on: body, displacement: {y: 0}}\n"
+              "loads: [{traction: {on: top, value: [0, 1]}}, {body: {value: [1, 0]}}]\n"
+              "time: {end: 1 us}\n",
+              square);
+  const sdr_points *points = built.points;
+  int32_t *piece = sdr_alloc((size_t)points->count, sizeof *piece);
+  assert_int_equal(sdr_fragments_find(built.system, 0.5, piece, &found), SDR_OK);
+  assert_int_equal(found.count, 2);
+  assert_int_equal(found.largest, 50);
+  assert_int_equal(found.single, 0);
+  for (int32_t i = 0; i < points->count; ++i)
+    assert_int_equal(piece[i] >= 0, sdr_in_body(points, i));
+  assert_int_equal(sdr_supports_count(built.supports), 100);
+  assert_int_equal(sdr_loads_count(built.loads), 100);
+  assert_true(sdr_in_body(points, sdr_points_nearest(points, (const double[3]){-3e-3, 5e-3, 0})));
+  sdr_free(piece);
+  sdr_built_destroy(&built);
+}
+
 static void wrong_use_is_refused_with_the_reason(void **state)
 {
   (void)state;
@@ -200,6 +229,7 @@ int main(void)
       cmocka_unit_test(a_layer_mirrors_the_rows_within_its_depth_and_the_corner),
       cmocka_unit_test(layers_follow_the_body_by_the_map_that_statics_takes),
       cmocka_unit_test(forces_are_mapped_by_the_transpose),
+      cmocka_unit_test(points_of_layers_belong_to_no_piece_support_load_or_probe),
       cmocka_unit_test(wrong_use_is_refused_with_the_reason),
       cmocka_unit_test(every_failing_allocation_is_reported),
   };
