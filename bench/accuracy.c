@@ -93,12 +93,12 @@ static sdr_status run_one(table *t, const char *path, const char *variant, sdr_s
   sdr_rundata *data = NULL;
   snprintf(directory, sizeof directory, "%s/%s%s%s", t->directory, scene->name,
            variant[0] ? "-" : "", variant);
-  /* few frames: the figures do not need them */
+  /* no frames of a motion: the figures do not need them */
   const char *sets[] = {"output.snapshots=0"};
   const sdr_run_options options = {.scene = path,
                                    .variant = variant,
                                    .directory = directory,
-                                   .set_count = 1,
+                                   .set_count = scene->equation ? 0 : 1,
                                    .sets = sets,
                                    .threads = 1, /* small problems */
                                    .quiet = 1};
