@@ -234,19 +234,28 @@ static sdr_status build_parts(sdr_built *built)
   return SDR_OK;
 }
 
-sdr_status sdr_build(const char *path, const char *variant, int set_count, const char *const *sets,
-                     sdr_built *out)
+sdr_status sdr_build_scene(sdr_scene **scene, sdr_built *out)
 {
-  sdr_built built = {0};
-  sdr_status status = sdr_scene_load(path, variant, set_count, sets, &built.scene);
-  if (status == SDR_OK && built.scene->threads > 0) sdr_set_threads(built.scene->threads);
-  if (status == SDR_OK) status = build_parts(&built);
+  sdr_built built = {.scene = *scene};
+  *scene = NULL;
+  if (built.scene->threads > 0) sdr_set_threads(built.scene->threads);
+  const sdr_status status = build_parts(&built);
   if (status != SDR_OK) {
     sdr_built_destroy(&built);
     return status;
   }
   *out = built;
   return SDR_OK;
+}
+
+sdr_status sdr_build(const char *path, const char *variant, int set_count, const char *const *sets,
+                     sdr_built *out)
+{
+  sdr_scene *scene = NULL;
+  SDR_TRY(sdr_scene_load(path, variant, set_count, sets, &scene));
+  if (!scene->equation) return sdr_build_scene(&scene, out);
+  sdr_scene_destroy(&scene);
+  return sdr_fail(SDR_BAD_INPUT, "%s: a scene with an equation moves no body", path);
 }
 
 void sdr_built_destroy(sdr_built *built)

@@ -38,6 +38,9 @@ typedef struct {
    failure. */
 sdr_status sdr_build(const char *path, const char *variant, int set_count, const char *const *sets,
                      sdr_built *out);
+/* The same of a scene that was loaded (not one with an equation); it is taken over and *scene NULL
+   then, also on failure. */
+sdr_status sdr_build_scene(sdr_scene **scene, sdr_built *out);
 void sdr_built_destroy(sdr_built *built);
 
 #endif

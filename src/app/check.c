@@ -3,6 +3,7 @@
 #include "app/build.h"
 #include "app/check_material.h"
 #include "app/figures.h"
+#include "app/run_equation.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/ledger.h"
@@ -113,7 +114,14 @@ sdr_status sdr_check(const char *path, const char *variant, int set_count, const
                      FILE *out)
 {
   sdr_built built;
-  SDR_TRY(sdr_build(path, variant, set_count, sets, &built));
+  sdr_scene *scene = NULL;
+  SDR_TRY(sdr_scene_load(path, variant, set_count, sets, &scene));
+  if (scene->equation) {
+    const sdr_status checked = sdr_check_equation(scene, out);
+    sdr_scene_destroy(&scene);
+    return checked;
+  }
+  SDR_TRY(sdr_build_scene(&scene, &built));
   sdr_status status = check_output(&built);
   if (status == SDR_OK) status = print_all(&built, out);
   sdr_built_destroy(&built);

@@ -142,7 +142,9 @@ static sdr_status draw_ledger(const sdr_rundata *run, const char *png, FILE *out
 static sdr_status draw(const sdr_rundata *run, const sdr_plot_options *options, FILE *out)
 {
   char path[PATH_ROOM];
-  const char *name = options->field && *options->field ? options->field : "damage";
+  const int is_equation = sdr_rundata_text(run, "equation") != NULL;
+  const char *fallback = is_equation ? "error" : "damage";
+  const char *name = options->field && *options->field ? options->field : fallback;
   if (!run->summary)
     fprintf(out, "%s: no summary.json, so this run has not finished; drawing what is there\n",
             run->directory);
@@ -150,7 +152,7 @@ static sdr_status draw(const sdr_rundata *run, const sdr_plot_options *options, 
   if (run->history.row_count > 0) {
     snprintf(path, sizeof path, "%s/ledger.png", run->directory);
     SDR_TRY(draw_ledger(run, path, out));
-  } else {
+  } else if (!is_equation) {
     fprintf(out, "%s: no rows in history.csv, so no picture of the energies\n", run->directory);
   }
   if (strchr(name, '/') || strlen(name) > 200)

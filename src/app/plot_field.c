@@ -11,11 +11,11 @@ enum { NAME_ROOM = 256, MAGNITUDE = -1 };
 
 static const char *unit_of(const char *field)
 {
-  static const char *const units[][2] = {{"displacement", "m"},    {"velocity", "m/s"},
-                                         {"acceleration", "m/s²"}, {"energy_density", "J/m³"},
-                                         {"dissipated", "J/m³"},   {"force", "N"},
-                                         {"reaction", "N"},        {"stress", "Pa"},
-                                         {"horizon", "m"},         {"spacing", "m"}};
+  static const char *const units[][2] = {
+      {"displacement", "m"},      {"velocity", "m/s"},    {"acceleration", "m/s²"},
+      {"energy_density", "J/m³"}, {"dissipated", "J/m³"}, {"force", "N"},
+      {"reaction", "N"},          {"stress", "Pa"},       {"horizon", "m"},
+      {"spacing", "m"},           {"deflection", "m"},    {"moment", "N"}};
   for (size_t k = 0; k < sizeof units / sizeof units[0]; ++k)
     if (strcmp(field, units[k][0]) == 0) return units[k][1];
   return "";

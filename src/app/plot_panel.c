@@ -27,6 +27,14 @@ void sdr_panel_subtitle(const sdr_rundata *run, int frame, char *text, size_t ro
 {
   char words[64] = "", time[64] = "";
   const char *law = sdr_rundata_text(run, "damage_law");
+  const char *equation = sdr_rundata_text(run, "equation");
+  if (equation) {
+    snprintf(text, room, "%s, nonlocal operators of order %.0f, %s", equation,
+             sdr_rundata_number(run, "order"), sdr_rundata_text(run, "form"));
+    for (char *c = text; *c; ++c)
+      if (*c == '_') *c = ' ';
+    return;
+  }
   if (law) snprintf(words, sizeof words, "%.40s damage", strcmp(law, "none") ? law : "no law of");
   for (char *c = words; *c; ++c)
     if (*c == '_') *c = ' ';

@@ -2,7 +2,9 @@
 
 #include "app/build.h"
 #include "app/constants.h"
+#include "app/directory.h"
 #include "app/figures.h"
+#include "app/run_equation.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/checkpoint.h"
@@ -29,7 +31,7 @@ enum { OBSERVERS = 6 };
 
 typedef struct {
   sdr_built built;
-  char directory[600];
+  char directory[SDR_DIRECTORY];
   int lock;
   sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *progress;
   sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
@@ -48,35 +50,6 @@ static double wall(void)
 }
 
 /* ---- set-up ---------------------------------------------------------------------------------- */
-
-/* Length of the folder's name if the run resumes from the checkpoint.h5 of a directory; 0: not. */
-static int length_of_folder(const char *checkpoint)
-{
-  const char *slash = checkpoint ? strrchr(checkpoint, '/') : NULL;
-  return slash && strcmp(slash, "/checkpoint.h5") == 0 ? (int)(slash - checkpoint) : 0;
-}
-
-/* -o, else that of the checkpoint, else the scene's, else out/SCENE[-VARIANT]. */
-static sdr_status name_directory(run *r, const sdr_run_options *options)
-{
-  const sdr_scene *scene = r->built.scene;
-  const int folder = length_of_folder(options->resume);
-  char *name = r->directory;
-  const size_t size = sizeof r->directory;
-  int length;
-  if (options->directory)
-    length = snprintf(name, size, "%s", options->directory);
-  else if (folder > 0)
-    length = snprintf(name, size, "%.*s", folder, options->resume);
-  else if (scene->output.directory[0])
-    length = snprintf(name, size, "%s", scene->output.directory);
-  else
-    length = snprintf(name, size, "out/%s%s%s", scene->name, scene->variant[0] ? "-" : "",
-                      scene->variant);
-  if (length < (int)size) return SDR_OK;
-  return sdr_fail(SDR_BAD_INPUT, "the name of the run's directory is longer than %d characters",
-                  (int)size - 1);
-}
 
 static void add_observer(run *r, sdr_observer *observer)
 {
@@ -327,13 +300,12 @@ static sdr_status check_same_scene(const run *r)
                   r->directory);
 }
 
-static sdr_status set_up(run *r, const sdr_run_options *options)
+static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *options)
 {
-  SDR_TRY(
-      sdr_build(options->scene, options->variant, options->set_count, options->sets, &r->built));
+  SDR_TRY(sdr_build_scene(scene, &r->built));
   if (options->threads > 0) sdr_set_threads(options->threads);
   SDR_TRY(sdr_figures_known(r->built.scene));
-  SDR_TRY(name_directory(r, options));
+  SDR_TRY(sdr_name_directory(r->built.scene, options->directory, options->resume, r->directory));
   if (options->resume) SDR_TRY(check_same_scene(r));
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
   if (r->built.warning[0] && !options->quiet)
@@ -347,11 +319,11 @@ static sdr_status set_up(run *r, const sdr_run_options *options)
   return SDR_OK;
 }
 
-sdr_status sdr_run(const sdr_run_options *options, FILE *out)
+static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_options *options,
+                           FILE *out)
 {
-  run r = {.lock = -1, .started = wall()};
-  if (options->threads > 0) sdr_set_threads(options->threads);
-  sdr_status status = set_up(&r, options);
+  run r = {.lock = -1, .started = started};
+  sdr_status status = set_up(&r, scene, options);
   if (status == SDR_OK) status = integrate(&r, options->resume != NULL);
   destroy_observer(&r.progress);
   if (status == SDR_OK) status = summarise(&r, out);
@@ -362,5 +334,18 @@ sdr_status sdr_run(const sdr_run_options *options, FILE *out)
   destroy_observer(&r.ledger);
   sdr_rundir_close(r.directory, r.lock);
   sdr_built_destroy(&r.built);
+  return status;
+}
+
+sdr_status sdr_run(const sdr_run_options *options, FILE *out)
+{
+  const double started = wall();
+  sdr_scene *scene = NULL;
+  if (options->threads > 0) sdr_set_threads(options->threads);
+  SDR_TRY(
+      sdr_scene_load(options->scene, options->variant, options->set_count, options->sets, &scene));
+  const sdr_status status = scene->equation ? sdr_run_equation(scene, options, out)
+                                            : run_body(&scene, started, options, out);
+  sdr_scene_destroy(&scene);
   return status;
 }

@@ -62,7 +62,7 @@ static sdr_status collocate(const sdr_problem *problem, sdr_csr_builder *builder
   const int32_t count = problem->points->count;
   sdr_row_condition *rows = NULL;
   SDR_TRY(sdr_conditions_find(problem, 1, &rows));
-  sdr_status status = sdr_conditions_complete(problem, rows);
+  sdr_status status = SDR_OK;
   for (int p = 0; p < problem->fields; ++p)
     for (int32_t i = 0; status == SDR_OK && i < count; ++i)
       status = add_row(problem, &rows[p * count + i], p, i, builder, &f[p * count + i]);

@@ -1,6 +1,7 @@
 #include "equation/problem.h"
 
 #include "base/memory.h"
+#include "equation/conditions.h"
 #include "geometry/lattice.h"
 #include "geometry/place.h"
 #include "geometry/shape.h"
@@ -122,6 +123,17 @@ static sdr_status make_operators(sdr_problem *p)
   return status;
 }
 
+/* Found again where they are needed; here for the sake of an early message. */
+static sdr_status check_conditions(const sdr_problem *p)
+{
+  const int is_collocation = !p->equation->variational;
+  sdr_row_condition *rows = NULL;
+  SDR_TRY(sdr_conditions_find(p, is_collocation, &rows));
+  const sdr_status status = is_collocation ? sdr_conditions_complete(p, rows) : SDR_OK;
+  sdr_free(rows);
+  return status;
+}
+
 static sdr_status fill(sdr_problem *p)
 {
   SDR_TRY(sdr_lattice_points(p->scene, &p->points));
@@ -131,7 +143,8 @@ static sdr_status fill(sdr_problem *p)
   if (!p->volume || !p->held) return SDR_RUN_FAILED;
   find_volumes(p);
   for (int k = 0; k < p->equation->boundary_count; ++k) mark_held(p, &p->equation->boundary[k]);
-  return make_operators(p);
+  SDR_TRY(make_operators(p));
+  return check_conditions(p);
 }
 
 sdr_status sdr_problem_create(const sdr_scene *scene, sdr_problem **out)

@@ -27,14 +27,20 @@ static const char *law_text(sdr_law law)
   return names[law];
 }
 
-static void put_identity(sdr_record *r, const sdr_summary *s)
+void sdr_summary_identity(sdr_record *r, const sdr_scene *scene, const char *version,
+                          const char *commit)
 {
   sdr_record_text(r, "program", "sunder");
-  sdr_record_text(r, "version", s->version ? s->version : SUNDER_VERSION);
-  sdr_record_text(r, "commit", s->commit);
-  sdr_record_text(r, "scene", s->scene->name);
-  sdr_record_text(r, "title", s->scene->title);
-  sdr_record_text(r, "dimension", dimension_text(s->scene->dimension));
+  sdr_record_text(r, "version", version ? version : SUNDER_VERSION);
+  sdr_record_text(r, "commit", commit);
+  sdr_record_text(r, "scene", scene->name);
+  sdr_record_text(r, "title", scene->title);
+  sdr_record_text(r, "dimension", scene->stateless ? "2d" : dimension_text(scene->dimension));
+}
+
+static void put_identity(sdr_record *r, const sdr_summary *s)
+{
+  sdr_summary_identity(r, s->scene, s->version, s->commit);
   sdr_record_text(r, "model", model_text(s->scene->model));
   sdr_record_text(r, "damage_law", law_text(s->scene->damage.law));
   sdr_record_text(r, "integrator", s->scene->time.integrator);
@@ -182,17 +188,16 @@ static void put_figure(sdr_record *figures, const sdr_figure *range, const sdr_m
   sdr_record_part(figures, measured->name, one);
 }
 
-/* The scene's figures in its order, then measures without a range. */
-static void put_figures(sdr_record *r, const sdr_summary *s)
+void sdr_summary_figures(sdr_record *r, const sdr_scene *scene, const sdr_measured *measured,
+                         int count)
 {
   const sdr_figure open_range = {.low = NAN, .high = NAN, .paper = NAN};
   sdr_record figures = sdr_record_begin();
-  for (int f = 0; f < s->scene->figure_count; ++f)
-    put_figure(&figures, &s->scene->figure[f],
-               look_up(s->scene->figure[f].name, s->measured, s->measured_count));
-  for (int k = 0; k < s->measured_count; ++k)
-    if (s->measured[k].always && !json_object_get(figures.object, s->measured[k].name))
-      put_figure(&figures, &open_range, &s->measured[k]);
+  for (int f = 0; f < scene->figure_count; ++f)
+    put_figure(&figures, &scene->figure[f], look_up(scene->figure[f].name, measured, count));
+  for (int k = 0; k < count; ++k)
+    if (measured[k].always && !json_object_get(figures.object, measured[k].name))
+      put_figure(&figures, &open_range, &measured[k]);
   sdr_record_part(r, "figures", figures);
 }
 
@@ -207,6 +212,6 @@ sdr_status sdr_summary_write(const char *directory, const sdr_summary *summary)
   put_balance(&r, summary);
   put_fragments(&r, summary);
   put_solver(&r, summary);
-  put_figures(&r, summary);
+  sdr_summary_figures(&r, summary->scene, summary->measured, summary->measured_count);
   return sdr_record_write(&r, directory);
 }

@@ -5,6 +5,7 @@
 #include "mechanics/system.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
+#include "output/record.h"
 #include "scene/scene.h"
 
 typedef struct {
@@ -35,7 +36,7 @@ typedef struct {
   double step_size, time_end;
   double wall_setup, wall_integrate, wall_output, wall_total; /* s */
   double stable_step;                                         /* s; NAN: not looked for */
-  const sdr_solve_record *solve; /* of linear equations; NULL, or name NULL: none were */
+  const sdr_solve_record *solve;           /* of linear equations; NULL, or name NULL: none were */
   const sdr_material_constants *constants; /* of the first material; NULL: bond-based */
   sdr_books books;
   double onset_time;              /* NAN: never */
@@ -51,6 +52,13 @@ typedef struct {
 /* Is each figure of the scene among these names? SDR_BAD_INPUT with the origin of one that is not,
    and the names there are. For before the run: sdr_summary_write fails likewise after it. */
 sdr_status sdr_figures_check(const sdr_scene *scene, const sdr_measured *measured, int count);
+
+/* Parts that summaries of other kinds of runs have too: program .. dimension; and `figures`: the
+   scene's in its order (each must be measured), then those that always stand there. */
+void sdr_summary_identity(sdr_record *r, const sdr_scene *scene, const char *version,
+                          const char *commit);
+void sdr_summary_figures(sdr_record *r, const sdr_scene *scene, const sdr_measured *measured,
+                         int count);
 
 /* Write DIRECTORY/summary.json by rename. peak_memory_bytes is the process's (getrusage). */
 sdr_status sdr_summary_write(const char *directory, const sdr_summary *summary);

@@ -12,9 +12,8 @@ static const char *const forms[] = {"collocation", "variational", NULL};
 
 static void refuse_other_sections(sdr_reading *rd)
 {
-  static const char *const keys[] = {"horizon",  "family", "material", "materials",
-                                     "damage",   "cracks", "initial",  "loads",
-                                     "supports", "time",   "precision"};
+  static const char *const keys[] = {"horizon", "family",  "material", "materials", "damage",
+                                     "cracks",  "initial", "loads",    "supports",  "time"};
   for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
     const sdr_node *node = sdr_node_find(rd->root, keys[k]);
     if (!node) continue;
@@ -23,6 +22,14 @@ static void refuse_other_sections(sdr_reading *rd)
                    "instead of moving a body; leave one of them out",
                    keys[k]);
   }
+}
+
+/* `precision` has its default there. */
+static void refuse_mixed(sdr_reading *rd)
+{
+  if (rd->scene->mixed)
+    sdr_read_error(rd->reader, sdr_node_find(rd->root, "precision")->origin,
+                   "precision 'mixed' is for bodies in motion; an equation is solved in double");
 }
 
 /* What makes points asks for a horizon and a material. */
@@ -309,10 +316,12 @@ static int read_kind(sdr_reading *rd, sdr_node *map, const sdr_equation_words **
   if (!sdr_read_word(rd->reader, map, "kind", names, NULL, NULL, &kind)) return 0;
   *out = &sdr_equations[kind];
   rd->scene->equation->kind = (sdr_equation_kind)kind;
+  if ((*out)->is_vector && rd->scene->stateless)
+    sdr_read_error(rd->reader, sdr_node_find(rd->root, "dimension")->origin,
+                   "'%s' in the plane has a state; give plane_stress or plane_strain", names[kind]);
   if (!(*out)->in_plane || sdr_components(rd->reader->dimension) == 2) return 1;
   sdr_read_error(rd->reader, sdr_node_find(map, "kind")->origin,
-                 "the equation '%s' is one of two dimensions; give dimension: plane_stress",
-                 names[kind]);
+                 "the equation '%s' is one of two dimensions; give dimension: 2d", names[kind]);
   return 0;
 }
 
@@ -338,6 +347,7 @@ void sdr_read_equation(sdr_reading *rd)
 {
   const sdr_equation_words *words = NULL;
   refuse_other_sections(rd);
+  refuse_mixed(rd);
   sdr_node *map = sdr_read_map(rd->reader, rd->root, "equation", NULL);
   if (!map) return;
   rd->scene->equation = sdr_reading_room(rd, NULL, sizeof *rd->scene->equation);

@@ -185,6 +185,8 @@ static void read_top(sdr_reading *rd)
 static void read_sections(sdr_reading *rd)
 {
   static const char *const dimensions[] = {"1d", "plane_stress", "plane_strain", "3d", NULL};
+  static const char *const of_equations[] = {"1d", "plane_stress", "plane_strain",
+                                             "3d", "2d",           NULL};
   static const char *const keys[] = {"title",    "dimension", "points",   "horizon",   "family",
                                      "material", "materials", "damage",   "regions",   "cracks",
                                      "initial",  "loads",     "supports", "time",      "output",
@@ -194,11 +196,16 @@ static void read_sections(sdr_reading *rd)
     sdr_read_allow(rd->reader, rd->root, keys[k]);
   }
   sdr_read_done(rd->reader, rd->root);
-  if (!sdr_read_word(rd->reader, rd->root, "dimension", dimensions, NULL, NULL, &dimension)) return;
+  const int is_equation = sdr_node_find(rd->root, "equation") != NULL;
+  if (!sdr_read_word(rd->reader, rd->root, "dimension", is_equation ? of_equations : dimensions,
+                     NULL, NULL, &dimension))
+    return;
+  rd->scene->stateless = dimension == 4; /* in the plane, whatever its state */
+  if (dimension == 4) dimension = SDR_PLANE_STRESS;
   rd->reader->dimension = rd->scene->dimension = (sdr_dimension)dimension;
   read_top(rd);
   sdr_read_regions(rd);
-  if (sdr_node_find(rd->root, "equation")) {
+  if (is_equation) {
     sdr_read_points(rd);
     sdr_read_equation(rd);
     sdr_read_figures(rd);

@@ -333,6 +333,7 @@ typedef struct sdr_scene {
   char variant[SDR_NAME_MAX]; /* "" : none */
   char title[256];
   sdr_dimension dimension;
+  int stateless; /* 1: `2d`, an equation in the plane that minds neither stress nor strain in z */
   sdr_points_scene points;
   sdr_expression *horizon; /* of x y z; multiples of the spacing if horizon_relative, else m */
   int horizon_relative;
