@@ -1,5 +1,6 @@
 /* Scenes with fictitious layers: what is made of them, and the messages for wrong use. */
 #include "output/fragments.h"
+#include "support/program.h"
 #include "support/scene_text.h"
 
 static const char rest[] = "material: {young: 200 GPa, density: 7850 kg/m^3}\n"
@@ -198,6 +199,28 @@ static void wrong_use_is_refused_with_the_reason(void **state)
   }
 }
 
+static void a_run_with_layers_resumes_with_the_same_bits(void **state)
+{
+  (void)state;
+  static const char motion[] =
+      "material: {young: 200 GPa, density: 7850 kg/m^3}\n"
+      "initial: {velocity: [\"10*sin(150*x)\", \"-8*cos(200*y)\"]}\n"
+      "supports:\n"
+      "- {on: left, layer: mirror, displacement: [\"1e-5*sin(2e5*t)\", \"1e-3*x\"]}\n"
+      "loads: [{traction: {on: right, layer: fictitious, value: [1 MPa, 2 MPa], ramp: 10 us}}]\n"
+      "output: {checkpoint: {every: 4 us}, snapshots: 0, history: {every: 5}}\n"
+      "time: {end: 10 us, step: 0.2 us}\n";
+  char text[2000];
+  said s;
+  snprintf(text, sizeof text, "%s%s", square, motion);
+  write_text("moving.yaml", text);
+  shell(&s, "sunder run moving.yaml -o whole --quiet && "
+            "sunder run moving.yaml -o parts --quiet --set 'time.end=5 us' && "
+            "sunder run moving.yaml --resume parts/checkpoint.h5 --quiet && "
+            "cmp whole/history.csv parts/history.csv");
+  if (s.code != 0) fail_msg("%s%s", s.out, s.err);
+}
+
 static void every_failing_allocation_is_reported(void **state)
 {
   (void)state;
@@ -231,7 +254,8 @@ int main(void)
       cmocka_unit_test(forces_are_mapped_by_the_transpose),
       cmocka_unit_test(points_of_layers_belong_to_no_piece_support_load_or_probe),
       cmocka_unit_test(wrong_use_is_refused_with_the_reason),
+      cmocka_unit_test(a_run_with_layers_resumes_with_the_same_bits),
       cmocka_unit_test(every_failing_allocation_is_reported),
   };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
