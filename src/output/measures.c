@@ -144,7 +144,7 @@ static sdr_status value_at(measures *m, const sdr_measurement *what, sdr_system 
   double value[6] = {0.0};
   const int width = sdr_field_components(what->field, system->components);
   if (!sdr_system_point(system, what->field, i, value)) {
-    if (m->field_there != what->field && (!m->field_there || strcmp(m->field_there, what->field)))
+    if (!m->field_there || strcmp(m->field_there, what->field) != 0)
       SDR_TRY(sdr_system_field(system, what->field, m->field));
     m->field_there = what->field;
     for (int c = 0; c < width; ++c)

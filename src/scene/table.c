@@ -118,7 +118,7 @@ static sdr_status read_rows(source *s, const char *key, const char *value, rows 
 static double *keep(sdr_store *store, const double *values, int count)
 {
   double *kept = sdr_store_alloc(store, (size_t)count, sizeof *kept);
-  if (kept) memcpy(kept, values, (size_t)count * sizeof *kept);
+  for (int k = 0; kept && k < count; ++k) kept[k] = values[k];
   return kept;
 }
 
