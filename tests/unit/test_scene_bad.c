@@ -43,7 +43,13 @@ static int is_wrong_later(const char *scene)
                                       "measure_beyond_steps",
                                       "measure_beyond_table",
                                       "measure_name_taken",
-                                      "directory_not_writable"};
+                                      "directory_not_writable",
+                                      "equation_lacks_condition",
+                                      "equation_meets_nothing",
+                                      "equation_singular",
+                                      "equation_round_flux",
+                                      "equation_unmeasured",
+                                      "equation_value_not_finite"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
     const size_t length = strlen(names[k]);
     if (strncmp(scene, names[k], length) == 0 && scene[length] == '.') return 1;
