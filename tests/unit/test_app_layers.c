@@ -132,65 +132,67 @@ static void points_of_layers_belong_to_no_piece_support_load_or_probe(void **sta
   sdr_built_destroy(&built);
 }
 
+/* Scenes and what the message holds. */
+static const char *const cases[][2] = {
+    {"dimension: plane_stress\npoints: {shape: {disc: {radius: 5 mm}}, spacing: 1 mm}\n"
+     "supports: [{on: rim, layer: mirror, displacement: {x: 0}}]\n",
+     ":3:12: support 'support0': a layer needs one flat face, and 'rim' is none; leave `layer` "
+     "out to act on the points near the face"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell, jitter: {share: 10 %}}\n"
+     "supports: [{on: left, layer: mirror, displacement: {x: 0}}]\n",
+     "support 'support0': a layer needs points in rows, and these are jittered; leave out "
+     "`layer` "
+     "or points.jitter"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, angle: 20 deg}\n"
+     "supports: [{name: grip, on: left, layer: mirror, displacement: {x: 0}}]\n",
+     "support 'grip': a layer needs a face along the rows of the lattice, and 'left' lies across "
+     "them; turn points.angle or the face"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm}\n"
+     "loads: [{traction: {on: right, layer: fictitious, value: [1, 0]}}]\n",
+     ":3:10: traction: a layer needs its face halfway between two rows of points, but the point "
+     "at x = 3 mm, y = 0 m lies 6 spacings from 'right'; move the face, or the lattice by "
+     "points.origin or points.align"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9.2 mm, 9 mm]}}, "
+     "spacing: 1 mm, align: cell}\n"
+     "loads: [{traction: {on: right, layer: fictitious, value: [1, 0]}}]\n",
+     "lies 5.7 spacings from 'right'"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "supports:\n- {on: left, layer: mirror, displacement: {x: 0}}\n"
+     "- {name: more, on: left, layer: mirror, displacement: {y: 0}}\n",
+     "its layer has a point at x = "},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "supports: [{on: {box: {from: [20 mm, 0], to: [25 mm, 9 mm]}, face: left}, layer: mirror, "
+     "displacement: {x: 0}}]\n",
+     "no point lies under 'box' within the depth of the layer; choose a face of the body or "
+     "a larger depth"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "supports: [{on: body, layer: mirror, displacement: {x: 0}}]\n",
+     "a mirror layer lies outside a face; 'body' is a volume"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "supports: [{on: left, layer: mirror, velocity: {x: 0}}]\n",
+     "a mirror layer holds a displacement; give it as a formula of t"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "supports: [{on: left, layer: mirror, displacement: {x: 0}, until: 3 us}]\n",
+     "'until' does not go with a layer, which acts all the time; leave it out (a formula of t "
+     "and "
+     "'ramp' are possible)"},
+    {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
+     "1 mm, align: cell}\n"
+     "loads: [{traction: {on: right, layer: mirror, value: [1, 0]}}]\n",
+     "fictitious"},
+};
+
 static void wrong_use_is_refused_with_the_reason(void **state)
 {
   (void)state;
-  static const char *const cases[][2] = {
-      {"dimension: plane_stress\npoints: {shape: {disc: {radius: 5 mm}}, spacing: 1 mm}\n"
-       "supports: [{on: rim, layer: mirror, displacement: {x: 0}}]\n",
-       ":3:12: support 'support0': a layer needs one flat face, and 'rim' is none; leave `layer` "
-       "out to act on the points near the face"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell, jitter: {share: 10 %}}\n"
-       "supports: [{on: left, layer: mirror, displacement: {x: 0}}]\n",
-       "support 'support0': a layer needs points in rows, and these are jittered; leave out "
-       "`layer` "
-       "or points.jitter"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, angle: 20 deg}\n"
-       "supports: [{name: grip, on: left, layer: mirror, displacement: {x: 0}}]\n",
-       "support 'grip': a layer needs a face along the rows of the lattice, and 'left' lies across "
-       "them; turn points.angle or the face"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm}\n"
-       "loads: [{traction: {on: right, layer: fictitious, value: [1, 0]}}]\n",
-       ":3:10: traction: a layer needs its face halfway between two rows of points, but the point "
-       "at x = 3 mm, y = 0 m lies 6 spacings from 'right'; move the face, or the lattice by "
-       "points.origin or points.align"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9.2 mm, 9 mm]}}, "
-       "spacing: 1 mm, align: cell}\n"
-       "loads: [{traction: {on: right, layer: fictitious, value: [1, 0]}}]\n",
-       "lies 5.7 spacings from 'right'"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "supports:\n- {on: left, layer: mirror, displacement: {x: 0}}\n"
-       "- {name: more, on: left, layer: mirror, displacement: {y: 0}}\n",
-       "its layer has a point at x = "},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "supports: [{on: {box: {from: [20 mm, 0], to: [25 mm, 9 mm]}, face: left}, layer: mirror, "
-       "displacement: {x: 0}}]\n",
-       "no point lies under 'box' within the depth of the layer; choose a face of the body or "
-       "a larger depth"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "supports: [{on: body, layer: mirror, displacement: {x: 0}}]\n",
-       "a mirror layer lies outside a face; 'body' is a volume"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "supports: [{on: left, layer: mirror, velocity: {x: 0}}]\n",
-       "a mirror layer holds a displacement; give it as a formula of t"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "supports: [{on: left, layer: mirror, displacement: {x: 0}, until: 3 us}]\n",
-       "'until' does not go with a layer, which acts all the time; leave it out (a formula of t "
-       "and "
-       "'ramp' are possible)"},
-      {"dimension: plane_stress\npoints: {shape: {box: {from: [0, 0], to: [9 mm, 9 mm]}}, spacing: "
-       "1 mm, align: cell}\n"
-       "loads: [{traction: {on: right, layer: mirror, value: [1, 0]}}]\n",
-       "fictitious"},
-  };
   for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
     sdr_built built;
     assert_int_equal(scene_try(&built, "%s%s", cases[k][0], rest), SDR_BAD_INPUT);
