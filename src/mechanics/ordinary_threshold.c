@@ -245,18 +245,19 @@ static sdr_status cuts_of_loose(const sdr_ordinary *o, int n, cuts *all)
   full_family f = {0};
   gather_call call = {o, &f};
   int64_t most = 0;
-  int met = 0;
+  int met = 0, seen = 0;
   for (int32_t c = 0; c < bonds->loose.chunk_count; ++c) {
     const int64_t width = (bonds->loose.chunk_slot[c + 1] - bonds->loose.chunk_slot[c]) / SDR_LANES;
     if (width > most) most = width;
   }
   sdr_status status = family_alloc(&f, (size_t)most);
-  for (int k = 0; k < SDR_CUT_TRIED && k < points->count && met < SDR_CUT_ENOUGH; ++k) {
+  for (int k = 0; k < SDR_CUT_TRIED && k < points->count && seen < SDR_CUT_ENOUGH; ++k) {
     const int32_t i = sdr_cut_sample(points, k);
     if (status != SDR_OK || !sdr_cut_complete(points, bonds, i)) continue;
     start_family(o, i, &f);
     sdr_bonds_visit_loose_point(bonds, i, gather_slot, &call);
     status = add_cuts(&f, n, all);
+    seen += f.count;
     ++met;
   }
   family_free(&f);

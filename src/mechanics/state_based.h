@@ -11,7 +11,7 @@ typedef struct {
   sdr_dimension dimension;
   sdr_law law;    /* none, variational (at the point), critical_stretch (of bonds) */
   sdr_length ell; /* variational: relative to the point's horizon, or m; value 0: the band
-                     that a cut damages, 2 horizons or its rows on a lattice */
+                     of points that a plane cut damages */
   sdr_elasticity elasticity; /* non-ordinary */
   sdr_split split;
   sdr_ordinary_form form;               /* ordinary */

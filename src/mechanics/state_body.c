@@ -55,10 +55,9 @@ double sdr_state_threshold(sdr_dimension dimension, double bulk, double shear, d
 
 double sdr_state_ell(const sdr_points *points, const sdr_length *given, int32_t i)
 {
-  const double horizon = points->horizon[i], spacing = points->spacing[i];
+  const double horizon = points->horizon[i];
   if (given->value > 0.0) return given->relative ? given->value * horizon : given->value;
-  if (points->irregular) return 2.0 * horizon;
-  return 2.0 * spacing * floor(horizon / spacing * (1.0 + 1e-9));
+  return 2.0 * horizon * (points->irregular ? 1.0 : sdr_cut_lattice_reach(points, i));
 }
 
 void sdr_state_constants(const sdr_model *model, int32_t i, double *ell, double *threshold)
@@ -88,27 +87,36 @@ static sdr_status alloc_points(double **array, const sdr_points *points)
   return *array ? SDR_OK : SDR_RUN_FAILED;
 }
 
+/* The length ell of every point. */
+static void set_ell(sdr_state_body *body, const sdr_length *given)
+{
+  const sdr_points *points = body->head.points;
+  const int banded = points->irregular && !(given->value > 0.0);
+  const double reach = banded ? sdr_cut_reach(points, body->bonds) : 1.0;
+  for (int32_t i = 0; i < points->count; ++i) {
+    const int same = i > 0 && points->horizon[i] == points->horizon[i - 1] &&
+                     points->spacing[i] == points->spacing[i - 1];
+    body->ell[i] = same ? body->ell[i - 1] : reach * sdr_state_ell(points, given, i);
+  }
+}
+
 static sdr_status set_constants(sdr_state_body *body, const sdr_state_based_how *how)
 {
   const sdr_points *points = body->head.points;
   const int variational = body->law == SDR_LAW_VARIATIONAL;
   const int critical = body->law == SDR_LAW_CRITICAL_STRETCH;
-  const int banded = variational && points->irregular && !(how->ell.value > 0.0);
-  const double reach = banded ? sdr_cut_reach(points, body->bonds) : 1.0;
   SDR_TRY(alloc_points(&body->bulk, points));
   SDR_TRY(alloc_points(&body->shear, points));
   if (variational) SDR_TRY(alloc_points(&body->ell, points));
   if (variational) SDR_TRY(alloc_points(&body->softness, points));
   if (critical) SDR_TRY(alloc_points(&body->threshold, points));
+  if (variational) set_ell(body, &how->ell);
   for (int32_t i = 0; i < points->count; ++i) {
     const int material = points->material[i];
     const double nu = how->dimension == SDR_1D ? 0.0 : how->poisson[material];
     body->bulk[i] = sdr_state_bulk(how->dimension, how->young[i], nu);
     body->shear[i] = sdr_state_shear(how->dimension, how->young[i], nu);
-    if (variational) {
-      body->ell[i] = reach * sdr_state_ell(points, &how->ell, i);
-      body->softness[i] = body->ell[i] / how->toughness[material];
-    }
+    if (variational) body->softness[i] = body->ell[i] / how->toughness[material];
     if (critical)
       body->threshold[i] = sdr_state_threshold(how->dimension, body->bulk[i], body->shear[i],
                                                how->toughness[material], points->horizon[i]);

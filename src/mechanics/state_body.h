@@ -82,9 +82,9 @@ double sdr_state_shear(sdr_dimension dimension, double young, double poisson);
 double sdr_state_threshold(sdr_dimension dimension, double bulk, double shear, double toughness,
                            double horizon);
 
-/* The length ell of point i, m: as given, or the band that a plane cut damages: the rows beside a
-   cut along the lattice; 2 horizons of irregular points. A body brings the latter down to how far
-   its families really reach. */
+/* The length ell of point i, m: as given, or the band of points that a plane cut damages, for which
+   see state_cut.h; 2 horizons of irregular points, which a body brings down to how far its families
+   really reach. */
 double sdr_state_ell(const sdr_points *points, const sdr_length *given, int32_t i);
 
 /* What a model made of it, and s0^2, which a model may find by itself: of point i; NAN where its

@@ -69,35 +69,78 @@ int sdr_cut_complete(const sdr_points *points, const sdr_bonds *bonds, int32_t i
              0.1 * call.volume * points->horizon[i];
 }
 
+/* ---- how far a cut reaches ------------------------------------------------------------------- */
+
+/* The largest xi.n of one family, for each direction. */
 typedef struct {
-  int count;
+  int components, count, bonds;
   double normal[SDR_CUT_DIRECTIONS][3], most[SDR_CUT_DIRECTIONS];
 } reach_call;
+
+/* What counts of them: see state_cut.h. The axes come first. */
+static double reach_of(const reach_call *call)
+{
+  const int axes = call->components, even = call->count - axes;
+  double along = 0.0, mean = 0.0;
+  for (int k = 0; k < axes; ++k) along += call->most[k] / axes;
+  for (int k = axes; k < call->count; ++k) mean += call->most[k] / even;
+  return even > 0 ? fmax(mean, along / 1.04) : along;
+}
+
+/* Largest d.n of the lattice vectors d with |d|^2 <= square, whose components are at most `most`.
+ */
+static double lattice_most(double square, int most, const double n[3], int components)
+{
+  double far = 0.0;
+  for (int z = 0; z <= (components > 2 ? most : 0); ++z)
+    for (int y = 0; y <= (components > 1 ? most : 0); ++y) {
+      const double left = square - y * y - z * z;
+      if (left < 0.0) continue;
+      far = fmax(far, fabs(n[0]) * floor(sqrt(left)) + fabs(n[1]) * y + fabs(n[2]) * z);
+    }
+  return far;
+}
+
+double sdr_cut_lattice_reach(const sdr_points *points, int32_t i)
+{
+  const double ratio = points->horizon[i] / points->spacing[i];
+  const double square = ratio * ratio * (1.0 + 1e-9);
+  reach_call call = {.components = points->components};
+  call.count = sdr_cut_directions(points, call.normal);
+  for (int k = 0; k < call.count; ++k) {
+    double n[3] = {0.0}; /* in the lattice's frame */
+    for (int a = 0; a < points->components; ++a)
+      for (int b = 0; b < 3; ++b) n[a] += points->axes[a][b] * call.normal[k][b];
+    call.most[k] = lattice_most(square, (int)sqrt(square), n, points->components) / ratio;
+  }
+  return reach_of(&call);
+}
 
 static void add_reach(void *context, const sdr_pair *pair)
 {
   reach_call *call = context;
   if (!(pair->weight_ij > 0.0)) return;
+  ++call->bonds;
   for (int k = 0; k < call->count; ++k) {
     double along = 0.0;
-    for (int a = 0; a < 3; ++a) along += pair->xi[a] * call->normal[k][a];
+    for (int a = 0; a < call->components; ++a) along += pair->xi[a] * call->normal[k][a];
     call->most[k] = fmax(call->most[k], along);
   }
 }
 
 double sdr_cut_reach(const sdr_points *points, const sdr_bonds *bonds)
 {
-  double sum = 0.0;
+  reach_call one = {.components = points->components}, sum;
   int met = 0;
-  reach_call call = {.count = 0};
-  call.count = sdr_cut_directions(points, call.normal);
-  for (int k = 0; k < SDR_CUT_TRIED && k < points->count && met < SDR_CUT_ENOUGH; ++k) {
+  one.count = sdr_cut_directions(points, one.normal);
+  sum = one;
+  for (int k = 0; k < SDR_CUT_TRIED && k < points->count && one.bonds < SDR_CUT_ENOUGH; ++k) {
     const int32_t i = sdr_cut_sample(points, k);
     if (!sdr_cut_complete(points, bonds, i)) continue;
     ++met;
-    for (int d = 0; d < call.count; ++d) call.most[d] = 0.0;
-    sdr_bonds_visit_loose_point(bonds, i, add_reach, &call);
-    for (int d = 0; d < call.count; ++d) sum += call.most[d] / (points->horizon[i] * call.count);
+    for (int d = 0; d < one.count; ++d) one.most[d] = 0.0;
+    sdr_bonds_visit_loose_point(bonds, i, add_reach, &one);
+    for (int d = 0; d < one.count; ++d) sum.most[d] += one.most[d] / points->horizon[i];
   }
-  return met > 0 ? sum / met : 1.0;
+  return met > 0 ? reach_of(&sum) / met : 1.0;
 }

@@ -6,8 +6,8 @@
 
 enum {
   SDR_CUT_DIRECTIONS = 203, /* at most */
-  SDR_CUT_TRIED = 512,      /* points looked at for complete families, where bonds are loose */
-  SDR_CUT_ENOUGH = 16       /* complete families that are enough */
+  SDR_CUT_TRIED = 1024,     /* points looked at for complete families, where bonds are loose */
+  SDR_CUT_ENOUGH = 2048     /* bonds of complete families that are enough */
 };
 
 /* Unit normals: the lattice's axes, then others even over half of all directions. Returns how
@@ -21,9 +21,12 @@ int32_t sdr_cut_sample(const sdr_points *points, int k);
    irregular points, fills its ball and lies around it. */
 int sdr_cut_complete(const sdr_points *points, const sdr_bonds *bonds, int32_t i);
 
-/* How far families of loose bonds reach across a plane, over the horizon: mean over complete
-   families and directions of the largest xi.n; 1 if no family is complete. Points nearer to a cut
-   than that lose bonds. */
+/* How far from a cut points lose bonds, over the horizon: the largest xi.n of a family, mean over
+   the directions n; but so much more that no cut along an axis of the lattice reaches over 4 %
+   farther. A lattice's family reaches farthest there, and there its cracks like to run. Of the full
+   family of a lattice: */
+double sdr_cut_lattice_reach(const sdr_points *points, int32_t i);
+/* Of complete families of loose bonds, mean over a few; 1 if none is complete. */
 double sdr_cut_reach(const sdr_points *points, const sdr_bonds *bonds);
 
 #endif

@@ -98,7 +98,8 @@ static void ell_is_given_or_the_band_that_a_cut_damages(void **state)
   double ell, threshold;
   body b = ordinary_create(&how);
   sdr_state_constants(b.model, 0, &ell, &threshold);
-  assert_near(ell, 6.0 * body_spacing, 1e-12 * body_spacing);
+  /* a cut along an axis damages 3 rows on both sides */
+  assert_near(ell, 6.0 / 1.04 * body_spacing, 1e-12 * body_spacing);
   assert_true(isnan(threshold));
   body_destroy(&b);
   how.body.ell = 1.5;

@@ -1,119 +1,88 @@
 /* Ordinary bodies that crack: what a split body has dissipated, and the books under leapfrog
    (theory sec. 4-5). */
 #include "support/ordinary.h"
+#include "support/split.h"
 #include "support/still_body.h"
 #include "time/integrator.h"
 
 /* ---- separation ------------------------------------------------------------------------------ */
 
-/* Normal of the plane: turned by this from the first lattice axis. */
-static double tilt;
-
-/* Open the plane rigidly by `from` to `to` metres, each time `growth` as far as before. */
-static void open_crack(const body *b, double from, double to, double growth)
-{
-  const double c = cos(tilt), t = sin(tilt);
-  double *u[3], *v[3], *f[3], before = 0.0;
-  vector_create(b->points, u);
-  vector_create(b->points, v);
-  vector_create(b->points, f);
-  for (double gap = from; gap < growth * to; gap *= growth) {
-    for (int32_t i = 0; i < b->points->count; ++i) {
-      const int moves = c * b->points->x[0][i] + t * b->points->x[1][i] > 1e-6 * body_spacing;
-      u[0][i] = moves ? gap * c : 0.0;
-      u[1][i] = moves ? gap * t : 0.0;
-      v[0][i] = moves ? (gap - before) * c : 0.0; /* a step of 1 s led here */
-      v[1][i] = moves ? (gap - before) * t : 0.0;
-    }
-    b->model->ops->force_commit(b->model, u, v, 1.0, f);
-    before = gap;
-  }
-  sdr_energies e;
-  b->model->ops->energies(b->model, u, &e);
-  assert_at_most(e.stored, 1e-2 * e.dissipated);
-  vector_destroy(u);
-  vector_destroy(v);
-  vector_destroy(f);
-}
-
-/* Dissipated energy of a body of so many rows, J; *toughness: of its material. */
-static double dissipated(const ordinary_how *how, int32_t rows, double *toughness)
+/* What points away from the ends dissipate when their body is split, over Gc and area. */
+static double separation(const ordinary_how *how, double tilt)
 {
   ordinary_how longer = *how;
-  longer.body.cells[1] = rows;
-  longer.body.cells[0] = 2 * ((16 + (int32_t)(rows * tan(tilt))) / 2);
+  split plan = split_plan(&longer.body, tilt);
   body b = ordinary_create(&longer);
-  sdr_energies e;
-  if (how->body.law == SDR_LAW_VARIATIONAL)
-    open_crack(&b, 1e-3, 10.0, 10.0);
-  else
-    open_crack(&b, 1e-3 * body_spacing, 0.3 * body_spacing, how->body.jitter > 0.0 ? 1.03 : 1.01);
-  double *u[3];
-  vector_create(b.points, u);
-  b.model->ops->energies(b.model, u, &e);
-  vector_destroy(u);
-  *toughness = b.toughness[0];
+  const double taken = split_dissipated(&plan, b.points, b.model) / b.toughness[0];
   body_destroy(&b);
-  return e.dissipated;
-}
-
-/* Over Gc and area: the difference of two lengths is free of end effects. */
-static double separation(const ordinary_how *how)
-{
-  double toughness;
-  const int rows = how->body.jitter > 0.0 ? 120 : 20; /* chance wants many */
-  const double longer = dissipated(how, rows + 20, &toughness);
-  const double shorter = dissipated(how, 20, &toughness);
-  const double depth = how->body.dimension == SDR_3D ? how->body.cells[2] * body_spacing : 1.0;
-  return (longer - shorter) * cos(tilt) / (rows * body_spacing * depth * toughness);
+  return taken;
 }
 
 static const double eighth = 3.14159265358979323846 / 8.0;
 
 static ordinary_how strip(sdr_law law, double poisson)
 {
-  return (ordinary_how){.body = {.dimension = SDR_PLANE_STRESS, .cells = {16, 0}, .law = law},
-                        .poisson = poisson};
+  return (ordinary_how){.body = {.dimension = SDR_PLANE_STRESS, .law = law}, .poisson = poisson};
 }
 
-static void a_body_split_along_the_lattice_dissipates_the_toughness(void **state)
+/* The band of damaged points: 3 spacings on both sides of a cut along an axis, 3 cos 22.5 = 2.772
+   at 22.5 degrees, 2 sqrt 2 at 45; ell is 3/1.04 of them. */
+static void a_split_body_dissipates_the_toughness_at_0_and_22_5_and_45_degrees(void **state)
 {
   (void)state;
-  tilt = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    ordinary_how how = strip(SDR_LAW_VARIATIONAL, 0.1 + 0.1 * k);
-    how.body.dimension = k % 2 ? SDR_PLANE_STRAIN : SDR_PLANE_STRESS;
-    how.body.force_loose = k > 1;
-    how.body.ratio = k == 3 ? 4.1 : 3.015;
-    assert_near(separation(&how), 1.0, 1e-3);
-  }
+  static const double expected[3] = {1.04, 0.9608, 0.9805};
+  for (int k = 0; k < 4; ++k)
+    for (int angle = 0; angle < 3; ++angle) {
+      ordinary_how how = strip(SDR_LAW_VARIATIONAL, 0.1 + 0.1 * k);
+      how.body.dimension = k == 3 ? SDR_3D : k == 1 ? SDR_PLANE_STRAIN : SDR_PLANE_STRESS;
+      how.body.force_loose = k == 2;
+      const double taken = separation(&how, angle * eighth);
+      print_message("%d, %g degrees: %.4f\n", k, 22.5 * angle, taken);
+      assert_near(taken, 1.0, 0.05);
+      assert_near(taken, expected[angle], 2e-3);
+    }
 }
 
-/* ell counts the rows beside a cut along the lattice; a cut at an angle damages a thinner band, as
-   far as the family reaches across it. */
-static void at_an_angle_the_band_is_as_thin_as_the_family_reaches(void **state)
+static double split_at(ordinary_how how, double angle)
+{
+  const double taken = separation(&how, angle);
+  print_message("ratio %g, %.4g degrees: %.4f\n", how.body.ratio, angle * 22.5 / eighth, taken);
+  return taken;
+}
+
+/* A family of 5.015 spacings is rounder: ell is its mean band, 2 x 4.927 spacings. One of 4.015 is
+   too square for any ell: 4 spacings on both sides along the axis, 5/sqrt 2 at 45 degrees. */
+static void cuts_take_what_their_bands_hold_of_other_families(void **state)
 {
   (void)state;
-  const ordinary_how how = strip(SDR_LAW_VARIATIONAL, 0.2);
-  for (int k = 1; k <= 2; ++k) {
-    tilt = k * eighth;
-    const double reach = fmax(3.0 * cos(tilt), 2.0 * cos(tilt) + 2.0 * sin(tilt));
-    assert_near(separation(&how), reach / 3.0, 5e-3);
-  }
+  ordinary_how how = strip(SDR_LAW_VARIATIONAL, 0.25);
+  how.body.ratio = 5.015;
+  assert_near(split_at(how, 0.0), 5.0 / 4.927, 2e-3);
+  assert_near(split_at(how, 2.0 * eighth), 7.0 / sqrt(2.0) / 4.927, 2e-3);
+  how.body.ratio = 4.015;
+  assert_near(split_at(how, 0.0), 1.04, 2e-3);
+  assert_near(split_at(how, 2.0 * eighth), 1.04 * 5.0 / (4.0 * sqrt(2.0)), 2e-3);
+}
+
+/* Along the slope 1/2 a family of 3.015 reaches least: 6/sqrt 5 spacings. */
+static void no_cut_dissipates_less_than_0_93_of_the_toughness(void **state)
+{
+  (void)state;
+  const ordinary_how how = strip(SDR_LAW_VARIATIONAL, 0.25);
+  assert_near(split_at(how, atan(0.5)), 1.04 * 2.0 / sqrt(5.0), 2e-3);
 }
 
 static void critical_stretch_takes_the_toughness_in_any_direction(void **state)
 {
   (void)state;
-  for (int k = 0; k < 5; ++k)
+  for (int k = 0; k < 6; ++k)
     for (int angle = 0; angle < 3; ++angle) {
       ordinary_how how = strip(SDR_LAW_CRITICAL_STRETCH, k < 3 ? 0.1 + 0.15 * k : 0.25);
-      how.body.dimension = k == 2 ? SDR_PLANE_STRAIN : SDR_PLANE_STRESS;
+      how.body.dimension = k == 5 ? SDR_3D : k == 2 ? SDR_PLANE_STRAIN : SDR_PLANE_STRESS;
       how.body.force_loose = k == 1;
       how.form = k == 3 ? SDR_FORM_MADENCI_OTERKUS : SDR_FORM_STANDARD;
       how.body.weight.influence = k == 4 ? SDR_INFLUENCE_CUBIC : SDR_INFLUENCE_CONSTANT;
-      tilt = angle * eighth;
-      const double taken = separation(&how);
+      const double taken = separation(&how, angle * eighth);
       print_message("%d, %g degrees: %.4f\n", k, 22.5 * angle, taken);
       assert_near(taken, 1.0, 0.05);
     }
@@ -123,12 +92,14 @@ static void jittered_points_take_the_toughness_too(void **state)
 {
   (void)state;
   for (int law = SDR_LAW_VARIATIONAL; law <= SDR_LAW_CRITICAL_STRETCH; ++law)
-    for (int angle = 0; angle < 2; ++angle) {
+    for (int angle = 0; angle < 3; ++angle) {
       ordinary_how how = strip((sdr_law)law, 0.25);
       how.body.jitter = 0.3;
-      tilt = angle * eighth;
-      const double taken = separation(&how);
-      print_message("law %d, %g degrees: %.4f\n", law, 22.5 * angle, taken);
+      how.body.dimension = angle == 2 ? SDR_3D : SDR_PLANE_STRESS;
+      const double tilt = angle == 2 ? 0.0 : angle * eighth;
+      const double taken = separation(&how, tilt);
+      print_message("law %d, %d-D, %.4g degrees: %.4f\n", law, angle == 2 ? 3 : 2,
+                    tilt * 22.5 / eighth, taken);
       assert_near(taken, 1.0, 0.05);
     }
 }
@@ -216,8 +187,9 @@ static void critical_stretch_keeps_the_books_near_second_order(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_body_split_along_the_lattice_dissipates_the_toughness),
-      cmocka_unit_test(at_an_angle_the_band_is_as_thin_as_the_family_reaches),
+      cmocka_unit_test(a_split_body_dissipates_the_toughness_at_0_and_22_5_and_45_degrees),
+      cmocka_unit_test(cuts_take_what_their_bands_hold_of_other_families),
+      cmocka_unit_test(no_cut_dissipates_less_than_0_93_of_the_toughness),
       cmocka_unit_test(critical_stretch_takes_the_toughness_in_any_direction),
       cmocka_unit_test(jittered_points_take_the_toughness_too),
       cmocka_unit_test(imbalance_falls_by_four_per_halving_with_variational_damage),
