@@ -50,7 +50,8 @@ static void stand_in(sdr_reading *rd)
 static int neighbours_for(int components, int order)
 {
   static const int line[] = {2, 4, 6, 6, 8, 8}, plane[] = {8, 14, 22, 32, 44, 60};
-  return components == 1 ? line[order - 1] : plane[order - 1] * (components - 1);
+  const int k = order < 1 ? 0 : order > 6 ? 5 : order - 1;
+  return components == 1 ? line[k] : plane[k] * (components - 1);
 }
 
 static void read_support(sdr_reading *rd, sdr_node *map)
