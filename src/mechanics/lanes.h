@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-#ifdef __AVX512F__
+#ifdef __AVX__
 #include <immintrin.h>
 #endif
 
@@ -27,37 +27,88 @@
 #endif
 typedef double sdr_lanes __attribute__((vector_size(8 * SDR_WIDTH)));
 
+/* One bit a lane. */
+enum { SDR_ALL_LANES = (1 << SDR_WIDTH) - 1 };
+
 SDR_INLINE sdr_lanes all_lanes(double x)
 {
-  const sdr_lanes zero = {0.0};
-  return x + zero;
+#if defined(__AVX512F__)
+  return (sdr_lanes){x, x, x, x, x, x, x, x};
+#elif defined(__AVX__)
+  return (sdr_lanes){x, x, x, x};
+#else
+  return (sdr_lanes){x, x};
+#endif
 }
 
-/* The first `count` lanes from p, the others 0. */
-SDR_INLINE sdr_lanes load_lanes(const double *p, int count)
+/* a b + c, rounded once where the processor can. */
+SDR_INLINE sdr_lanes fma_lanes(sdr_lanes a, sdr_lanes b, sdr_lanes c)
 {
-  double part[SDR_WIDTH] = {0.0};
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#elif defined(__FMA__)
+  return (sdr_lanes)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+#else
+  return a * b + c;
+#endif
+}
+
+SDR_INLINE sdr_lanes load_lanes(const double *p)
+{
   sdr_lanes v;
-  if (count == SDR_WIDTH) {
-    memcpy(&v, p, sizeof v);
-  } else {
-    for (int l = 0; l < count; ++l) part[l] = p[l];
-    memcpy(&v, part, sizeof v);
-  }
+  memcpy(&v, p, sizeof v);
   return v;
 }
 
-SDR_INLINE void store_lanes(double *p, int count, sdr_lanes v)
+SDR_INLINE void store_lanes(double *p, sdr_lanes v)
 {
-  if (count == SDR_WIDTH)
-    memcpy(p, &v, sizeof v);
-  else
-    for (int l = 0; l < count; ++l) p[l] = v[l];
+  memcpy(p, &v, sizeof v);
 }
 
-SDR_INLINE void add_lanes(double *p, int count, sdr_lanes v)
+/* ---- some lanes, the others 0 ---------------------------------------------------------------- */
+
+/* What is not in the mask is not read. */
+SDR_INLINE sdr_lanes load_some(const double *p, unsigned mask)
 {
-  store_lanes(p, count, load_lanes(p, count) + v);
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_maskz_loadu_pd((__mmask8)mask, p);
+#else
+  if (mask == SDR_ALL_LANES) return load_lanes(p);
+  double part[SDR_WIDTH];
+  for (int l = 0; l < SDR_WIDTH; ++l) part[l] = mask >> l & 1u ? p[l] : 0.0;
+  return load_lanes(part);
+#endif
+}
+
+SDR_INLINE sdr_lanes only_lanes(unsigned mask, sdr_lanes v)
+{
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_maskz_mov_pd((__mmask8)mask, (__m512d)v);
+#else
+  if (mask == SDR_ALL_LANES) return v;
+  for (int l = 0; l < SDR_WIDTH; ++l)
+    if (!(mask >> l & 1u)) v[l] = 0.0;
+  return v;
+#endif
+}
+
+SDR_INLINE sdr_lanes subtract_some(unsigned mask, sdr_lanes a, sdr_lanes b)
+{
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_maskz_sub_pd((__mmask8)mask, (__m512d)a, (__m512d)b);
+#else
+  return only_lanes(mask, a - b);
+#endif
+}
+
+/* a b + c in some lanes, c in the others. */
+SDR_INLINE sdr_lanes fma_some(unsigned mask, sdr_lanes a, sdr_lanes b, sdr_lanes c)
+{
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_mask3_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c, (__mmask8)mask);
+#else
+  return fma_lanes(only_lanes(mask, a), b, c);
+#endif
 }
 
 /* p[index[lane]] */
@@ -68,19 +119,7 @@ SDR_INLINE sdr_lanes gather_lanes(const double *p, const int32_t *index)
 #else
   double part[SDR_WIDTH];
   for (int l = 0; l < SDR_WIDTH; ++l) part[l] = p[index[l]];
-  return load_lanes(part, SDR_WIDTH);
-#endif
-}
-
-SDR_INLINE sdr_lanes root_lanes(sdr_lanes x)
-{
-#if defined(__AVX512F__)
-  return (sdr_lanes)_mm512_sqrt_pd((__m512d)x);
-#else
-  double part[SDR_WIDTH];
-  memcpy(part, &x, sizeof x);
-  for (int l = 0; l < SDR_WIDTH; ++l) part[l] = sqrt(part[l]);
-  return load_lanes(part, SDR_WIDTH);
+  return load_lanes(part);
 #endif
 }
 

@@ -15,124 +15,55 @@ static sdr_nonordinary_model *model_of(sdr_model *model)
 
 /* ---- passes ---------------------------------------------------------------------------------- */
 
-static void zero_range(double *const *array, int count, int32_t first, int32_t end)
-{
-  for (int k = 0; k < count; ++k)
-    if (array[k]) memset(array[k] + first, 0, (size_t)(end - first) * sizeof(double));
-}
-
-static void zero_sums(const sdr_nonordinary_call *call, int s)
-{
-  const sdr_points *points = call->body.points;
-  if (s >= points->stripe_count) return;
-  const int32_t first = points->stripe_first[s], end = points->stripe_first[s + 1];
-  const int n = points->components;
-  double *const sums[2] = {call->body.square, call->body.along};
-  zero_range(call->body.gradient, n * n, first, end);
-  zero_range(call->body.bearing, n * n, first, end);
-  if (call->sums) zero_range(sums, 2, first, end);
-}
-
-/* Even stripes come first: they clear their own sums and the next stripe's, where they add. */
-static void gather_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
-  const sdr_nonordinary_kernels *kernels = call->model->kernels;
-  const sdr_bonds *bonds = call->body.bonds;
-  if (s % 2 == 0) {
-    zero_sums(call, s);
-    zero_sums(call, s + 1);
-  }
-  if (call->skip && sdr_state_rests(&call->model->state, s, 0, 1)) return;
-  kernels->gather[call->body.points->components - 1][!call->linear][call->sums](
-      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, NULL);
-}
-
-static void gather_loose_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
+/* The blocks that stripe s computes: those that begin in it. */
+typedef struct {
   int64_t first, end;
-  sdr_state_chunks(&call->model->state, s, &first, &end);
-  call->model->kernels->gather_loose[call->body.points->components - 1][!call->linear][call->sums](
-      &call->body, first, end, call->u, NULL);
+  int beyond; /* stripes that the last one reaches into */
+} block_range;
+
+static block_range blocks_of(const sdr_points *points, int s)
+{
+  const int32_t *stripe = points->stripe_first;
+  block_range range = {(stripe[s] + SDR_LANES - 1) / SDR_LANES,
+                       (stripe[s + 1] + SDR_LANES - 1) / SDR_LANES, 0};
+  while (s + range.beyond + 1 < points->stripe_count &&
+         stripe[s + range.beyond + 1] < SDR_LANES * range.end)
+    ++range.beyond;
+  return range;
 }
 
-static void gradients_of_stripe(void *context, int s)
+/* Each point sums for itself, so stripes need no order. */
+static void states_of_stripe(void *context, int s)
 {
   const sdr_nonordinary_call *call = context;
-  const int32_t *stripe = call->body.points->stripe_first;
-  call->model->kernels->gradients[call->body.points->components - 1](&call->body, stripe[s],
-                                                                     stripe[s + 1]);
-}
-
-static void control_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
-  const sdr_bonds *bonds = call->body.bonds;
-  if (call->skip && sdr_state_rests(&call->model->state, s, 1, 2)) return;
-  call->model->kernels->control[call->body.points->components - 1](
-      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, NULL);
-}
-
-static void control_loose_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
-  int64_t first, end;
-  sdr_state_chunks(&call->model->state, s, &first, &end);
-  call->model->kernels->control_loose[call->body.points->components - 1](&call->body, first, end,
-                                                                         call->u, NULL);
-}
-
-static void points_of_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
-  const int32_t *stripe = call->body.points->stripe_first;
-  call->points(&call->body, stripe[s], stripe[s + 1]);
+  const block_range range = blocks_of(call->body.points, s);
+  const int rests = call->skip && sdr_state_rests(&call->model->state, s, 1, 1 + range.beyond);
+  call->states(&call->body, range.first, range.end, rests ? NULL : call->u);
 }
 
 void sdr_nonordinary_gather(sdr_nonordinary_call *call)
 {
-  const sdr_points *points = call->body.points;
-  const int loose = call->body.bonds->loose.chunk_count > 0, stripes = points->stripe_count;
-  sdr_each_stripe(points, gather_stripe, call);
-  if (loose) sdr_parallel_for(0, stripes, 1, gather_loose_stripe, call);
-  if (!call->linear) {
-    sdr_parallel_for(0, stripes, 1, gradients_of_stripe, call);
-    sdr_each_stripe(points, control_stripe, call);
-    if (loose) sdr_parallel_for(0, stripes, 1, control_loose_stripe, call);
-  }
-  sdr_parallel_for(0, stripes, 1, points_of_stripe, call);
+  sdr_parallel_for(0, call->body.points->stripe_count, 1, states_of_stripe, call);
 }
 
 static void force_of_stripe(void *context, int s)
 {
   const sdr_nonordinary_call *call = context;
-  const sdr_points *points = call->body.points;
-  const sdr_bonds *bonds = call->body.bonds;
-  const int32_t *stripe = points->stripe_first;
-  if (s % 2 == 0)
-    zero_range(call->f, points->components, stripe[s],
-               stripe[s + 2 < points->stripe_count ? s + 2 : points->stripe_count]);
-  if (call->skip && sdr_state_rests(&call->model->state, s, 1, 2)) return;
-  call->model->kernels->force[points->components - 1][!call->linear](
-      &call->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->f);
-}
-
-static void force_of_loose_stripe(void *context, int s)
-{
-  const sdr_nonordinary_call *call = context;
-  int64_t first, end;
-  sdr_state_chunks(&call->model->state, s, &first, &end);
-  call->model->kernels->force_loose[call->body.points->components - 1][!call->linear](
-      &call->body, first, end, call->u, call->f);
+  const int n = call->body.points->components;
+  const block_range range = blocks_of(call->body.points, s);
+  if (!call->skip || !sdr_state_rests(&call->model->state, s, 2, 2 + range.beyond)) {
+    call->model->kernels->force[n - 1][!call->linear](&call->body, range.first, range.end, call->u,
+                                                      call->f);
+    return;
+  }
+  for (int a = 0; a < n; ++a)
+    memset(call->f[a] + SDR_LANES * range.first, 0,
+           (size_t)(range.end - range.first) * SDR_LANES * sizeof(double));
 }
 
 void sdr_nonordinary_spread(sdr_nonordinary_call *call)
 {
-  const sdr_points *points = call->body.points;
-  sdr_each_stripe(points, force_of_stripe, call);
-  if (call->body.bonds->loose.chunk_count > 0)
-    sdr_parallel_for(0, points->stripe_count, 1, force_of_loose_stripe, call);
+  sdr_parallel_for(0, call->body.points->stripe_count, 1, force_of_stripe, call);
 }
 
 /* ---- state ----------------------------------------------------------------------------------- */
@@ -166,6 +97,8 @@ static sdr_nonordinary_body body_now(const sdr_nonordinary_model *model)
   body.loose_flags = model->state.loose_flags;
   body.run_flagged = model->state.run_flagged;
   body.loose_flagged = model->state.loose_flags != NULL;
+  body.elasticity = model->elasticity;
+  body.split = model->split;
   body.commit = 0;
   return body;
 }
@@ -175,11 +108,10 @@ static sdr_nonordinary_call call_of(sdr_nonordinary_model *model, int task, doub
   sdr_nonordinary_call call = {.model = model,
                                .body = body_now(model),
                                .linear = model->elasticity == SDR_LINEAR,
-                               .sums = task != SDR_POINT_ELASTIC,
-                               .skip = 1,
+                               .skip = model->local,
                                .u = u};
   const int n = model->state.head.points->components;
-  call.points = model->kernels->point[n - 1][model->elasticity][model->split][task];
+  call.states = model->kernels->state[n - 1][!call.linear][task];
   sdr_state_watch(&model->state, u);
   refresh(model);
   return call;
@@ -228,7 +160,9 @@ static void reference_times(sdr_model *model, double *const v[3], double *const 
   sdr_nonordinary_call call = {.model = own, .body = body_now(own), .linear = 1, .u = v, .f = out};
   call.body.lambda = own->reference_lambda;
   call.body.mu = own->reference_mu;
-  call.points = own->kernels->point[n - 1][SDR_LINEAR][SDR_SPLIT_WHOLE][SDR_POINT_ELASTIC];
+  call.body.elasticity = SDR_LINEAR;
+  call.body.split = SDR_SPLIT_WHOLE;
+  call.states = own->kernels->state[n - 1][0][SDR_POINT_ELASTIC];
   sdr_nonordinary_gather(&call);
   sdr_nonordinary_spread(&call);
   for (int a = 0; a < n; ++a)
@@ -258,11 +192,11 @@ static void destroy(sdr_model *model)
     sdr_free(own->body.bearing[k]);
   }
   void *const blocks[] = {
-      own->body.shear,    own->body.normal,    own->body.square,      own->body.along,
-      own->body.soft,     own->body.stiff,     own->lambda,           own->mu,
-      own->control_shear, own->control_normal, own->reference_lambda, own->reference_mu,
-      own->limit,         own->found,          own->found_loose,      own->first,
-      own->member};
+      own->body.shear,     own->body.normal,      own->body.square,     own->body.along,
+      own->body.soft,      own->body.stiff,       own->lambda,          own->mu,
+      own->body.blocks,    own->body.bundles,     own->body.directions, own->control_shear,
+      own->control_normal, own->reference_lambda, own->reference_mu,    own->limit,
+      own->found,          own->found_loose,      own->first,           own->member};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   sdr_free(own);
 }
@@ -409,6 +343,7 @@ static sdr_status make(sdr_nonordinary_model *model, const sdr_points *points, s
   model->body.softness = model->state.softness;
   model->body.plus = model->state.plus;
   model->body.minus = model->state.minus;
+  SDR_TRY(sdr_nonordinary_bundles(model));
   return sdr_nonordinary_families(model, 0);
 }
 

@@ -8,10 +8,40 @@
 
 #include <stdint.h>
 
+/* A class of bonds as seen from one of its ends; xi leads to the other end. W of the end and of the
+   other one, which weigh the same but for rounding: ratio = own/other. Products of xi in the order
+   of sdr_upper. */
+typedef struct {
+  double xi[3], by_square; /* 1/xi^2 */
+  double own, other, ratio;
+  double own_xi[3], own_normal[6];     /* W xi, W xi (x) xi/xi^2 */
+  double twice[6];                     /* xi (x) xi; doubled off the diagonal */
+  double other_xi[3], other_normal[3]; /* W xi, W xi/xi^2 */
+} sdr_direction;
+
+/* Bonds of one class from points of a block to points `offset` further on: lanes of the points that
+   have one. */
+typedef struct {
+  int32_t offset, run;
+  int32_t direction; /* 2 class_index + side */
+  int32_t lanes;
+} sdr_bundle;
+
+/* The bonds of block b, points 8 b .. 8 b + 7, on runs: bundles[first] .. bundles[first + count -
+   1]. Blocks inside a row share theirs. */
+typedef struct {
+  int64_t first;
+  int32_t count;
+} sdr_block_bundles;
+
 typedef struct {
   const sdr_points *points;
   const sdr_bonds *bonds;
+  sdr_direction *directions;
+  sdr_bundle *bundles;
+  sdr_block_bundles *blocks;
   int plane_stress;
+  int elasticity, split;
 
   /* Of the families as the flags leave them. A point whose shape tensor cannot be inverted has
      zeros here: it carries nothing. */
@@ -30,50 +60,36 @@ typedef struct {
   const uint8_t *run_flagged;
   int loose_flagged;
 
-  /* Work. Pass A: M = sum W eta (x) xi; then G = F - I (linear: its symmetric part). n x n. */
-  double *gradient[9];
-  /* Pass A (linear): Q = sum W (eta.n) n (x) xi, upper half without its last value, which the trace
-     of M gives; then A, what bears on xi: T = W (A xi + soft eta + ...). n x n. */
+  /* What bears on bonds, n x n: T = W (A xi + soft eta + ...), of the state pass. */
   double *bearing[9];
-  double *square, *along; /* sum W |eta|^2 and sum W (eta.n)^2 (linear), of z and z.n (finite) */
+  double *gradient[9];    /* finite: G = F - I; linear: stiff sym G, without stiff after energies */
   double *soft, *stiff;   /* control times (1-d)^2 */
   double *plus, *minus;   /* J/m^3 */
+  double *square, *along; /* sum W |z|^2 and W (z.n)^2; of points whose energy is booked */
 } sdr_nonordinary_body;
 
-/* Runs [first, end): add to points. */
-typedef void (*sdr_nonordinary_runs)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
-                                     double *const u[3], double *const f[3]);
-/* Chunks [first, end) of loose points. */
-typedef sdr_nonordinary_runs sdr_nonordinary_loose;
-/* Points [first, end). */
-typedef void (*sdr_nonordinary_points)(const sdr_nonordinary_body *body, int32_t first,
-                                       int32_t end);
+/* Blocks of eight points [first, end). u NULL: all of them and what they see rest. */
+typedef void (*sdr_nonordinary_states)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
+                                       double *const u[3]);
+typedef void (*sdr_nonordinary_forces)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
+                                       double *const u[3], double *const f[3]);
 /* Runs or chunks [first, end): 1 in found[r] where a half is stretched beyond its point's limit, s0
    (2 + s0) in (l^2 - xi^2)/xi^2, and neither lost nor protected. */
 typedef void (*sdr_nonordinary_find)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
                                      double *const u[3], const double *limit, uint8_t *found);
 
-/* What a pass over pairs gathers: without or with the sums that energies need. */
-enum { SDR_SUMS_NO, SDR_SUMS };
-
 /* What becomes of a point's sums. */
 typedef enum {
   SDR_POINT_ELASTIC, /* stress of an undamaged point */
   SDR_POINT_DAMAGED, /* stress by the variational law */
-  SDR_POINT_ENERGY   /* plus and minus only */
+  SDR_POINT_ENERGY   /* plus, minus and the gradient only */
 } sdr_point_task;
 
 /* The kernels of one instruction set. Indices: components - 1, linear 0 or finite 1 strain. */
 typedef struct {
   const char *name;
-  sdr_nonordinary_runs gather[3][2][2]; /* [components][strain][sums]: pass A */
-  sdr_nonordinary_loose gather_loose[3][2][2];
-  sdr_nonordinary_points gradients[3]; /* finite: G of M, work of pass A2 zeroed */
-  sdr_nonordinary_runs control[3];     /* finite: pass A2 */
-  sdr_nonordinary_loose control_loose[3];
-  sdr_nonordinary_points point[3][3][3][3]; /* [components][elasticity][split][task] */
-  sdr_nonordinary_runs force[3][2];         /* pass B */
-  sdr_nonordinary_loose force_loose[3][2];
+  sdr_nonordinary_states state[3][2][3]; /* [components][strain][task] */
+  sdr_nonordinary_forces force[3][2];
   sdr_nonordinary_find find[3], find_loose[3]; /* by run, by chunk */
 } sdr_nonordinary_kernels;
 

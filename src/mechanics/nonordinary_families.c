@@ -145,7 +145,8 @@ sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
   sdr_bonds_visit(model->state.bonds, points, add_family, &call);
   model->condition = 0.0;
   for (int32_t i = 0; i < points->count; ++i) {
-    if (!invert(model, i, may_fail ? worst_torn_condition : worst_condition) && !may_fail) return singular(points, i);
+    if (!invert(model, i, may_fail ? worst_torn_condition : worst_condition) && !may_fail)
+      return singular(points, i);
     model->condition = fmax(model->condition, condition_at(model, i));
   }
   return SDR_OK;
@@ -338,18 +339,16 @@ static void add_energies(book_call *call)
   sdr_nonordinary_model *model = call->model;
   sdr_state_body *state = &model->state;
   const sdr_points *points = state->head.points;
-  const int n = points->components, finite = model->elasticity != SDR_LINEAR;
-  const sdr_nonordinary_points energy =
-      model->kernels->point[n - 1][model->elasticity][SDR_SPLIT_WHOLE][SDR_POINT_ENERGY];
+  const int finite = model->elasticity != SDR_LINEAR;
   for (int32_t i = 0; i < points->count; ++i)
     if (state->fresh[i]) clear_sums(model, i);
   sdr_each_stripe(points, gather_fresh, call);
   for (int32_t i = 0; finite && i < points->count; ++i)
-    if (state->fresh[i]) model->kernels->gradients[n - 1](&model->body, i, i + 1);
+    if (state->fresh[i]) sdr_nonordinary_gradient(model, i);
   if (finite) sdr_each_stripe(points, control_fresh, call);
   for (int32_t i = 0; i < points->count; ++i) {
     if (!state->fresh[i]) continue;
-    energy(&model->body, i, i + 1);
+    sdr_nonordinary_energy(model, i);
     state->booked[i] += call->factor * points->volume[i] * (state->plus[i] + state->minus[i]);
   }
 }

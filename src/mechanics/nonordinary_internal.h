@@ -19,6 +19,7 @@ typedef struct {
   sdr_nonordinary_body body;
   const sdr_nonordinary_kernels *kernels;
   sdr_elasticity elasticity;
+  int local;             /* 1: bonds reach from one stripe into the next, no further */
   int split;             /* SDR_SPLIT_WHOLE unless variational */
   double *lambda, *mu;   /* Pa, of the law */
   double *control_shear; /* Pa: P_s and P_n */
@@ -40,16 +41,25 @@ typedef struct {
   sdr_nonordinary_model *model;
   sdr_nonordinary_body body;
   int linear; /* 1: passes of small strain */
-  int sums;
-  int skip; /* 1: resting stripes are left out */
-  sdr_nonordinary_points points;
+  int skip;   /* 1: resting stripes are left out */
+  sdr_nonordinary_states states;
   double *const *u, *const *f;
 } sdr_nonordinary_call;
 
-/* Passes A and A2, then `points` on all of them. */
+/* Passes A and A2, and what becomes of their sums. */
 void sdr_nonordinary_gather(sdr_nonordinary_call *call);
 /* Pass B: call->f. */
 void sdr_nonordinary_spread(sdr_nonordinary_call *call);
+
+/* The blocks of the body, from its runs. */
+sdr_status sdr_nonordinary_bundles(sdr_nonordinary_model *model);
+
+/* plus and minus of point i, not split, from the sums M in gradient, Q in bearing (linear; the kept
+   values) and those in square and along of W |eta|^2 and W (eta.n)^2, or of z (finite, with G in
+   gradient). */
+void sdr_nonordinary_energy(const sdr_nonordinary_model *model, int32_t i);
+/* Finite: G in gradient from M in it; sums of z start at zero. */
+void sdr_nonordinary_gradient(const sdr_nonordinary_model *model, int32_t i);
 
 /* Shape tensors, moments and control of all families as the flags leave them. A point without an
    invertible shape tensor is named in the error; `may_fail`: it carries nothing instead. */

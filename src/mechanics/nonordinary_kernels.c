@@ -1,6 +1,6 @@
 /* The instances of the passes of non-ordinary bodies, and their table. Compiled once for each
-   instruction set. */
-#include "mechanics/nonordinary_loose.h"
+   instruction set; what the passes are made of is not inlined into each of them. */
+#include "mechanics/nonordinary_find.h"
 #include "mechanics/nonordinary_point.h"
 
 #ifndef SDR_ISA
@@ -11,66 +11,102 @@
 #define SDR_TEXT_(a) #a
 #define SDR_TEXT(a) SDR_TEXT_(a)
 
-#define SDR_PASS_ARGUMENTS                                                                         \
-  const sdr_nonordinary_body *body, int64_t first, int64_t end, double *const u[3],                \
-      double *const f[3]
+#define SDR_PART static __attribute__((noinline)) void
+
+/* ---- parts ----------------------------------------------------------------------------------- */
 
 #define SDR_GATHER(n, finite, sums)                                                                \
-  static void gather_##n##finite##sums(SDR_PASS_ARGUMENTS)                                         \
+  SDR_PART gather_##n##finite##sums(const sdr_lanes_points *at, sdr_lanes_sums *out)               \
   {                                                                                                \
-    (void)f;                                                                                       \
-    gather_runs(n, finite, sums, body, first, end, u);                                             \
-  }                                                                                                \
-  static void gather_loose_##n##finite##sums(SDR_PASS_ARGUMENTS)                                   \
-  {                                                                                                \
-    (void)f;                                                                                       \
-    gather_chunks(n, finite, sums, body, first, end, u);                                           \
+    gather(n, finite, sums, at, out);                                                              \
   }
-#define SDR_FORCE(n, finite)                                                                       \
-  static void force_##n##finite(SDR_PASS_ARGUMENTS)                                                \
+/* With finite strain pass A gathers no sums. */
+#define SDR_GATHER_SAME(n)                                                                         \
+  static inline void gather_##n##11(const sdr_lanes_points *at, sdr_lanes_sums *out)               \
   {                                                                                                \
-    force_runs(n, finite, body, first, end, u, f);                                                 \
-  }                                                                                                \
-  static void force_loose_##n##finite(SDR_PASS_ARGUMENTS)                                          \
-  {                                                                                                \
-    force_chunks(n, finite, body, first, end, u, f);                                               \
+    gather_##n##10(at, out);                                                                       \
   }
-#define SDR_POINT(n, elasticity, split, task)                                                      \
-  static void point_##n##_##elasticity##_##split##_##task(const sdr_nonordinary_body *body,        \
-                                                          int32_t first, int32_t end)              \
+#define SDR_CONTROL(n, sums)                                                                       \
+  SDR_PART control_##n##sums(const sdr_lanes_points *at, const sdr_lanes *g, sdr_lanes_sums *out)  \
   {                                                                                                \
-    points_of(n, elasticity, split, task, body, first, end);                                       \
+    control(n, sums, at, g, out);                                                                  \
   }
-#define SDR_POINTS(n, elasticity)                                                                  \
-  SDR_POINT(n, elasticity, SDR_SPLIT_WHOLE, SDR_POINT_ELASTIC)                                     \
-  SDR_POINT(n, elasticity, SDR_SPLIT_WHOLE, SDR_POINT_ENERGY)                                      \
-  SDR_POINT(n, elasticity, SDR_SPLIT_DILATATION, SDR_POINT_DAMAGED)                                \
-  SDR_POINT(n, elasticity, SDR_SPLIT_DILATATION, SDR_POINT_ENERGY)                                 \
-  SDR_POINT(n, elasticity, SDR_SPLIT_SPECTRAL, SDR_POINT_DAMAGED)                                  \
-  SDR_POINT(n, elasticity, SDR_SPLIT_SPECTRAL, SDR_POINT_ENERGY)
-#define SDR_ALL(n)                                                                                 \
+#define SDR_ONE_LAW(n, elasticity, split)                                                          \
+  SDR_PART law_##n##_##elasticity##_##split(const sdr_nonordinary_body *body, int64_t i,           \
+                                            const sdr_lanes *g, sdr_lanes_stress *out)             \
+  {                                                                                                \
+    law_of_lanes(n, elasticity, split, body, i, g, out);                                           \
+  }
+#define SDR_SPLITS_OF(n, elasticity)                                                               \
+  SDR_ONE_LAW(n, elasticity, SDR_SPLIT_WHOLE)                                                      \
+  SDR_ONE_LAW(n, elasticity, SDR_SPLIT_DILATATION)                                                 \
+  SDR_ONE_LAW(n, elasticity, SDR_SPLIT_SPECTRAL)
+#define SDR_PARTS(n)                                                                               \
   SDR_GATHER(n, 0, 0)                                                                              \
   SDR_GATHER(n, 0, 1)                                                                              \
   SDR_GATHER(n, 1, 0)                                                                              \
+  SDR_GATHER_SAME(n)                                                                               \
+  SDR_CONTROL(n, 0)                                                                                \
+  SDR_CONTROL(n, 1)                                                                                \
+  SDR_SPLITS_OF(n, SDR_LINEAR)                                                                     \
+  SDR_SPLITS_OF(n, SDR_SAINT_VENANT_KIRCHHOFF)                                                     \
+  SDR_SPLITS_OF(n, SDR_NEO_HOOKEAN)
+
+SDR_PARTS(1)
+SDR_PARTS(2)
+SDR_PARTS(3)
+
+#define SDR_ROW_OF_LAWS(n, elasticity)                                                             \
+  [elasticity] = {[SDR_SPLIT_WHOLE] = law_##n##_##elasticity##_SDR_SPLIT_WHOLE,                    \
+                  [SDR_SPLIT_DILATATION] = law_##n##_##elasticity##_SDR_SPLIT_DILATATION,          \
+                  [SDR_SPLIT_SPECTRAL] = law_##n##_##elasticity##_SDR_SPLIT_SPECTRAL},
+#define SDR_TABLE_OF_LAWS(n)                                                                       \
+  {                                                                                                \
+    SDR_ROW_OF_LAWS(n, SDR_LINEAR)                                                                 \
+    SDR_ROW_OF_LAWS(n, SDR_SAINT_VENANT_KIRCHHOFF) SDR_ROW_OF_LAWS(n, SDR_NEO_HOOKEAN)             \
+  }
+
+/* [components - 1][elasticity][split] */
+static const sdr_lanes_law laws[3][3][3] = {SDR_TABLE_OF_LAWS(1), SDR_TABLE_OF_LAWS(2),
+                                            SDR_TABLE_OF_LAWS(3)};
+
+/* ---- passes ---------------------------------------------------------------------------------- */
+
+/* DO(at) for all lanes of blocks [first, end). */
+#define SDR_ALL_BLOCKS(DO)                                                                         \
+  for (int64_t i = SDR_LANES * first; i < SDR_LANES * end; i += SDR_WIDTH) {                       \
+    const sdr_lanes_points at = {body, u, i, (int)(i % SDR_LANES)};                                \
+    DO(&at)                                                                                        \
+  }
+
+#define SDR_STATE(n, finite, sums, task)                                                           \
+  static void state_##n##finite##_##task(const sdr_nonordinary_body *body, int64_t first,          \
+                                         int64_t end, double *const u[3])                          \
+  {                                                                                                \
+    const sdr_lanes_law law = laws[n - 1][body->elasticity][body->split];                          \
+    for (int64_t i = SDR_LANES * first; i < SDR_LANES * end; i += SDR_WIDTH) {                     \
+      const sdr_lanes_points at = {body, u, i, (int)(i % SDR_LANES)};                              \
+      state_of(n, finite, task, gather_##n##finite##sums, control_##n##sums, law, &at);            \
+    }                                                                                              \
+  }
+#define SDR_FORCE(n, finite)                                                                       \
+  static void force_##n##finite(const sdr_nonordinary_body *body, int64_t first, int64_t end,      \
+                                double *const u[3], double *const f[3])                            \
+  {                                                                                                \
+    for (int64_t i = SDR_LANES * first; i < SDR_LANES * end; i += SDR_WIDTH) {                     \
+      const sdr_lanes_points at = {body, u, i, (int)(i % SDR_LANES)};                              \
+      force_of_lanes(n, finite, &at, f);                                                           \
+    }                                                                                              \
+  }
+#define SDR_PASSES(n)                                                                              \
+  SDR_STATE(n, 0, 0, SDR_POINT_ELASTIC)                                                            \
+  SDR_STATE(n, 0, 1, SDR_POINT_DAMAGED)                                                            \
+  SDR_STATE(n, 0, 1, SDR_POINT_ENERGY)                                                             \
+  SDR_STATE(n, 1, 0, SDR_POINT_ELASTIC)                                                            \
+  SDR_STATE(n, 1, 1, SDR_POINT_DAMAGED)                                                            \
+  SDR_STATE(n, 1, 1, SDR_POINT_ENERGY)                                                             \
   SDR_FORCE(n, 0)                                                                                  \
   SDR_FORCE(n, 1)                                                                                  \
-  SDR_POINTS(n, SDR_LINEAR)                                                                        \
-  SDR_POINTS(n, SDR_SAINT_VENANT_KIRCHHOFF)                                                        \
-  SDR_POINTS(n, SDR_NEO_HOOKEAN)                                                                   \
-  static void gradients_##n(const sdr_nonordinary_body *body, int32_t first, int32_t end)          \
-  {                                                                                                \
-    gradients_of(n, body, first, end);                                                             \
-  }                                                                                                \
-  static void control_##n(SDR_PASS_ARGUMENTS)                                                      \
-  {                                                                                                \
-    (void)f;                                                                                       \
-    control_runs(n, body, first, end, u);                                                          \
-  }                                                                                                \
-  static void control_loose_##n(SDR_PASS_ARGUMENTS)                                                \
-  {                                                                                                \
-    (void)f;                                                                                       \
-    control_chunks(n, body, first, end, u);                                                        \
-  }                                                                                                \
   static void find_##n(const sdr_nonordinary_body *body, int64_t first, int64_t end,               \
                        double *const u[3], const double *limit, uint8_t *found)                    \
   {                                                                                                \
@@ -82,48 +118,23 @@
     find_chunks(n, body, first, end, u, limit, found);                                             \
   }
 
-SDR_ALL(1)
-SDR_ALL(2)
-SDR_ALL(3)
+SDR_PASSES(1)
+SDR_PASSES(2)
+SDR_PASSES(3)
 
-#define SDR_GATHER_ROW(kind, n)                                                                    \
+/* In the order of sdr_point_task. */
+#define SDR_TASKS(kind)                                                                            \
   {                                                                                                \
-    {kind##_##n##00, kind##_##n##01},                                                              \
-    {                                                                                              \
-      kind##_##n##10, kind##_##n##10                                                               \
-    }                                                                                              \
+    kind##_SDR_POINT_ELASTIC, kind##_SDR_POINT_DAMAGED, kind##_SDR_POINT_ENERGY                    \
   }
-#define SDR_TASKS(n, elasticity)                                                                   \
-  [elasticity] = {                                                                                 \
-      [SDR_SPLIT_WHOLE] = {[SDR_POINT_ELASTIC] =                                                   \
-                               point_##n##_##elasticity##_SDR_SPLIT_WHOLE_SDR_POINT_ELASTIC,       \
-                           [SDR_POINT_ENERGY] =                                                    \
-                               point_##n##_##elasticity##_SDR_SPLIT_WHOLE_SDR_POINT_ENERGY},       \
-      [SDR_SPLIT_DILATATION] =                                                                     \
-          {[SDR_POINT_DAMAGED] =                                                                   \
-               point_##n##_##elasticity##_SDR_SPLIT_DILATATION_SDR_POINT_DAMAGED,                  \
-           [SDR_POINT_ENERGY] = point_##n##_##elasticity##_SDR_SPLIT_DILATATION_SDR_POINT_ENERGY}, \
-      [SDR_SPLIT_SPECTRAL] = {                                                                     \
-          [SDR_POINT_DAMAGED] = point_##n##_##elasticity##_SDR_SPLIT_SPECTRAL_SDR_POINT_DAMAGED,   \
-          [SDR_POINT_ENERGY] = point_##n##_##elasticity##_SDR_SPLIT_SPECTRAL_SDR_POINT_ENERGY}},
-#define SDR_ALL_TASKS(n)                                                                           \
+#define SDR_STRAINS(n)                                                                             \
   {                                                                                                \
-    SDR_TASKS(n, SDR_LINEAR)                                                                       \
-    SDR_TASKS(n, SDR_SAINT_VENANT_KIRCHHOFF) SDR_TASKS(n, SDR_NEO_HOOKEAN)                         \
+    SDR_TASKS(state_##n##0), SDR_TASKS(state_##n##1)                                               \
   }
 
 const sdr_nonordinary_kernels SDR_JOIN(sdr_nonordinary_kernels_, SDR_ISA) = {
     .name = SDR_TEXT(SDR_ISA),
-    .gather = {SDR_GATHER_ROW(gather, 1), SDR_GATHER_ROW(gather, 2), SDR_GATHER_ROW(gather, 3)},
-    .gather_loose = {SDR_GATHER_ROW(gather_loose, 1), SDR_GATHER_ROW(gather_loose, 2),
-                     SDR_GATHER_ROW(gather_loose, 3)},
-    .gradients = {gradients_1, gradients_2, gradients_3},
-    .control = {control_1, control_2, control_3},
-    .control_loose = {control_loose_1, control_loose_2, control_loose_3},
-    .point = {SDR_ALL_TASKS(1), SDR_ALL_TASKS(2), SDR_ALL_TASKS(3)},
+    .state = {SDR_STRAINS(1), SDR_STRAINS(2), SDR_STRAINS(3)},
     .force = {{force_10, force_11}, {force_20, force_21}, {force_30, force_31}},
-    .force_loose = {{force_loose_10, force_loose_11},
-                    {force_loose_20, force_loose_21},
-                    {force_loose_30, force_loose_31}},
     .find = {find_1, find_2, find_3},
     .find_loose = {find_loose_1, find_loose_2, find_loose_3}};

@@ -1,90 +1,172 @@
-/* The passes over the pairs of runs, written once; `n` (components), `finite` strain, `sums`,
-   `marked` are literals where they are inlined (nonordinary_kernels.c).
+/* The passes over pairs, written once; `n` (components), `finite` strain, `sums` are literals where
+   they are inlined (nonordinary_kernels.c).
+
+   Points are lanes (lanes.h), and each sums over all its bonds, its own and those of its dual
+   family: a bond is looked at from both ends. That costs less than looking once and adding to both,
+   since sums stay in registers, and what a point computes is nobody else's. Runs come as bundles,
+   whose constants are those of their class; loose pairs in columns with constants a lane.
 
    Pass A gathers the moments of displacement differences eta; pass A2 (finite strain) what the
-   control of the normal part needs, whose direction F xi is known only then; pass B hands out
-   forces. A pair's two directed states see xi, eta and -xi, -eta: every product of two of them is
-   the same for both. Points and pairs go in lanes (lanes.h). What they add to i is stored before j
-   is read, so runs along their own row, where both overlap, need no care. */
+   control of the normal part needs, whose direction F xi is known only then; pass B sums forces. */
 #ifndef SDR_MECHANICS_NONORDINARY_LOOP_H
 #define SDR_MECHANICS_NONORDINARY_LOOP_H
 
 #include "mechanics/lanes.h"
 #include "mechanics/nonordinary_body.h"
 
-/* A run at work, and the pairs of it that are in the lanes. */
+/* Sums of pass A: M = sum W eta (x) xi, Q = sum W (eta.n) n (x) xi (upper half without its last
+   value, which the trace of M gives), sum W |eta|^2 and sum W (eta.n)^2. Of pass A2: S, and the
+   last two of z. */
 typedef struct {
-  const sdr_bond_class *class;
-  const sdr_flags *flags; /* of the run's first pair; marked runs */
-  int64_t i, j;           /* points of the first lane */
-  int64_t at;             /* the first lane's pair in the run */
-  int count;              /* lanes in use */
-} sdr_pairs;
+  sdr_lanes m[9], q[5], s[9], square, along;
+} sdr_lanes_sums;
 
-/* W of the lanes' halves: 0 where they are lost. */
-SDR_INLINE sdr_lanes weight_of(const int marked, const sdr_pairs *pairs, sdr_flags lost, double w)
+/* Points i to i + SDR_WIDTH - 1: lanes from `lane` on of block i/8. */
+typedef struct {
+  const sdr_nonordinary_body *body;
+  double *const *u;
+  int64_t i;
+  int lane;
+} sdr_lanes_points;
+
+SDR_INLINE void load_all(const int count, double *const from[9], int64_t i, sdr_lanes *to)
 {
-  if (!marked) return all_lanes(w);
-  double weight[SDR_WIDTH] = {0.0};
-  for (int l = 0; l < pairs->count; ++l) weight[l] = pairs->flags[pairs->at + l] & lost ? 0.0 : w;
-  return load_lanes(weight, SDR_WIDTH);
+  for (int k = 0; k < count; ++k) to[k] = load_lanes(from[k] + i);
 }
 
-SDR_INLINE void eta_of(const int n, const sdr_pairs *p, double *const u[3], sdr_lanes eta[3])
+/* ---- bundles --------------------------------------------------------------------------------- */
+
+/* Lanes of a bundle whose bond, seen from the point or from the other end, is not lost. */
+SDR_INLINE unsigned lanes_left(const sdr_lanes_points *at, const sdr_bundle *bundle, unsigned lanes,
+                               int other)
 {
-  for (int a = 0; a < n; ++a)
-    eta[a] = load_lanes(u[a] + p->j, p->count) - load_lanes(u[a] + p->i, p->count);
+  const sdr_nonordinary_body *body = at->body;
+  if (!body->run_flagged || !body->run_flagged[bundle->run]) return lanes;
+  const sdr_bond_run *run = &body->bonds->runs[bundle->run];
+  const int side = bundle->direction & 1;
+  const sdr_flags lost = side == other ? SDR_LOST_I : SDR_LOST_J;
+  const int64_t slot = run->slot + at->i - (side ? run->j0 : run->i0);
+  unsigned left = lanes;
+  for (int l = 0; l < SDR_WIDTH; ++l)
+    if (lanes >> l & 1u && body->flags[slot + l] & lost) left &= ~(1u << l);
+  return left;
 }
+
+/* DO(bundle, direction, lanes) for the bundles of the lanes. */
+#define SDR_ALL_BUNDLES(DO)                                                                        \
+  const sdr_block_bundles *const block = &body->blocks[at->i / SDR_LANES];                         \
+  const sdr_bundle *const first_bundle = body->bundles + block->first;                             \
+  for (const sdr_bundle *b = first_bundle; b < first_bundle + block->count; ++b) {                 \
+    const unsigned lanes = (unsigned)b->lanes >> at->lane & SDR_ALL_LANES;                         \
+    if (lanes) DO(b, &body->directions[b->direction], lanes)                                       \
+  }
+
+/* ---- loose columns --------------------------------------------------------------------------- */
+
+/* xi, eta and the weights of a column's pairs; a lost half weighs nothing. */
+typedef struct {
+  const int32_t *j;
+  sdr_lanes xi[3], eta[3], by_square, wi, wj;
+} sdr_loose_lanes;
+
+SDR_INLINE void loose_lanes(const int n, const sdr_nonordinary_body *body, int64_t i, int64_t slot,
+                            double *const u[3], sdr_loose_lanes *to)
+{
+  const sdr_loose *loose = &body->bonds->loose;
+  sdr_lanes square = all_lanes(0.0);
+  to->j = loose->j + slot;
+  to->wi = load_lanes(loose->weight_ij + slot);
+  to->wj = load_lanes(loose->weight_ji + slot);
+  for (int a = 0; a < n; ++a) {
+    to->xi[a] = load_lanes(loose->xi[a] + slot);
+    to->eta[a] = gather_lanes(u[a], to->j) - load_lanes(u[a] + i);
+    square = fma_lanes(to->xi[a], to->xi[a], square);
+  }
+  to->by_square = all_lanes(1.0) / square;
+  for (int l = 0; body->loose_flagged && l < SDR_WIDTH; ++l) {
+    const sdr_flags flags = body->loose_flags[slot + l];
+    if (flags & SDR_LOST_I) to->wi[l] = 0.0;
+    if (flags & SDR_LOST_J) to->wj[l] = 0.0;
+  }
+}
+
+/* DO(slot) for the columns of the lanes' block. */
+#define SDR_ALL_COLUMNS(DO)                                                                        \
+  if (body->bonds->loose.chunk_count > 0) {                                                        \
+    const int64_t *const column = body->bonds->loose.chunk_slot + at->i / SDR_LANES;               \
+    for (int64_t slot = column[0] + at->lane; slot < column[1]; slot += SDR_LANES) DO(slot)        \
+  }
 
 /* ---- pass A ---------------------------------------------------------------------------------- */
 
-/* Of the upper half of Q so many values are kept; the last is the trace of M less the others. */
+/* Of the upper half of Q so many values are kept. */
 SDR_INLINE int kept_of_normal(const int n)
 {
   return n == 1 ? 0 : n == 2 ? 2 : 5;
 }
 
-/* Add the moments of the lanes' directed states to point i and those after it. */
-SDR_INLINE void add_moments(const int n, const int finite, const int sums,
-                            const sdr_nonordinary_body *body, int64_t i, int count,
-                            const sdr_lanes *eta, const sdr_lanes *xi, sdr_lanes by_length,
-                            sdr_lanes w)
+/* Add to the sums: `weighted` W xi, `normal` W xi (x) xi/xi^2, w_square W, w_along W/xi^2. */
+SDR_INLINE void add_moments(const int n, const int finite, const int sums, const sdr_lanes *eta,
+                            const sdr_lanes *xi, const sdr_lanes *weighted, const sdr_lanes *normal,
+                            sdr_lanes w_square, sdr_lanes w_along, sdr_lanes_sums *to)
 {
-  sdr_lanes along = all_lanes(0.0), square = all_lanes(0.0), weighted[3];
-  for (int a = 0; a < n; ++a) {
-    along += eta[a] * xi[a];
-    square += eta[a] * eta[a];
-    weighted[a] = w * xi[a];
-  }
   for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b)
-      add_lanes(body->gradient[n * a + b] + i, count, weighted[b] * eta[a]);
+    for (int b = 0; b < n; ++b) to->m[n * a + b] = fma_lanes(weighted[b], eta[a], to->m[n * a + b]);
   if (finite) return;
-  const sdr_lanes share = along * (by_length * by_length);
-  int k = 0;
-  for (int a = 0; a < n; ++a)
-    for (int b = a; b < n; ++b)
-      if (k < kept_of_normal(n)) {
-        add_lanes(body->bearing[k] + i, count, share * (weighted[a] * xi[b]));
-        ++k;
-      }
+  sdr_lanes along = eta[0] * xi[0];
+  for (int a = 1; a < n; ++a) along = fma_lanes(eta[a], xi[a], along);
+  for (int k = 0; k < kept_of_normal(n); ++k) to->q[k] = fma_lanes(along, normal[k], to->q[k]);
   if (!sums) return;
-  add_lanes(body->square + i, count, w * square);
-  add_lanes(body->along + i, count, w * (along * share));
+  sdr_lanes square = eta[0] * eta[0];
+  for (int a = 1; a < n; ++a) square = fma_lanes(eta[a], eta[a], square);
+  to->square = fma_lanes(w_square, square, to->square);
+  to->along = fma_lanes(w_along, along * along, to->along);
 }
 
-SDR_INLINE void gather_pairs(const int n, const int finite, const int sums, const int marked,
-                             const sdr_nonordinary_body *body, const sdr_pairs *p,
-                             double *const u[3])
+SDR_INLINE void gather_bundle(const int n, const int finite, const int sums,
+                              const sdr_lanes_points *at, const sdr_lanes *own, const sdr_bundle *b,
+                              const sdr_direction *d, unsigned lanes, sdr_lanes_sums *to)
 {
-  sdr_lanes eta[3], xi[3];
-  eta_of(n, p, u, eta);
-  for (int a = 0; a < n; ++a) xi[a] = all_lanes(p->class->xi[a]);
-  const sdr_lanes by_length = all_lanes(1.0 / p->class->length);
-  add_moments(n, finite, sums, body, p->i, p->count, eta, xi, by_length,
-              weight_of(marked, p, SDR_LOST_I, p->class->weight_ij));
-  add_moments(n, finite, sums, body, p->j, p->count, eta, xi, by_length,
-              weight_of(marked, p, SDR_LOST_J, p->class->weight_ji));
+  const unsigned left = lanes_left(at, b, lanes, 0);
+  sdr_lanes eta[3], xi[3], weighted[3], normal[5];
+  for (int a = 0; a < n; ++a) {
+    eta[a] = subtract_some(left, load_some(at->u[a] + at->i + b->offset, left), own[a]);
+    xi[a] = all_lanes(d->xi[a]);
+    weighted[a] = all_lanes(d->own_xi[a]);
+  }
+  for (int k = 0; k < kept_of_normal(n); ++k) normal[k] = all_lanes(d->own_normal[k]);
+  add_moments(n, finite, sums, eta, xi, weighted, normal, all_lanes(d->own),
+              all_lanes(d->own * d->by_square), to);
+}
+
+SDR_INLINE void gather_column(const int n, const int finite, const int sums,
+                              const sdr_lanes_points *at, int64_t slot, sdr_lanes_sums *to)
+{
+  sdr_loose_lanes p;
+  sdr_lanes weighted[3], normal[6];
+  int k = 0;
+  loose_lanes(n, at->body, at->i, slot, at->u, &p);
+  for (int a = 0; a < n; ++a) weighted[a] = p.wi * p.xi[a];
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) normal[k++] = weighted[a] * p.by_square * p.xi[b];
+  add_moments(n, finite, sums, p.eta, p.xi, weighted, normal, p.wi, p.wi * p.by_square, to);
+}
+
+SDR_INLINE void gather(const int n, const int finite, const int sums, const sdr_lanes_points *at,
+                       sdr_lanes_sums *out)
+{
+  const sdr_nonordinary_body *body = at->body;
+  sdr_lanes own[3];
+  sdr_lanes_sums to;
+  memset(&to, 0, sizeof to);
+  for (int a = 0; a < n; ++a) own[a] = load_lanes(at->u[a] + at->i);
+#define SDR_DO(b, d, lanes) gather_bundle(n, finite, sums, at, own, b, d, lanes, &to);
+  SDR_ALL_BUNDLES(SDR_DO)
+#undef SDR_DO
+#define SDR_DO(slot) gather_column(n, finite, sums, at, slot, &to);
+  SDR_ALL_COLUMNS(SDR_DO)
+#undef SDR_DO
+  *out = to;
 }
 
 /* ---- pass A2 --------------------------------------------------------------------------------- */
@@ -100,228 +182,201 @@ SDR_INLINE void residual_of(const int n, const sdr_lanes *g, const sdr_lanes *xi
   r->along = all_lanes(0.0);
   r->square = all_lanes(1e-300);
   for (int a = 0; a < n; ++a) {
-    sdr_lanes p = all_lanes(0.0);
-    for (int b = 0; b < n; ++b) p += g[n * a + b] * xi[b];
+    sdr_lanes p = g[n * a] * xi[0];
+    for (int b = 1; b < n; ++b) p = fma_lanes(g[n * a + b], xi[b], p);
     r->f[a] = xi[a] + p;
     r->z[a] = eta[a] - p;
-    r->along += r->z[a] * r->f[a];
-    r->square += r->f[a] * r->f[a];
+    r->along = fma_lanes(r->z[a], r->f[a], r->along);
+    r->square = fma_lanes(r->f[a], r->f[a], r->square);
   }
 }
 
-/* Add to S = sum W h_p (x) xi, with h = (z.f)^2/(2 f.f), p = G xi, and to the sums of points from
-   i on. by_square: 1/(f.f); w: W. */
-SDR_INLINE void add_control(const int n, const sdr_nonordinary_body *body, int64_t i, int count,
-                            const sdr_residual *r, sdr_lanes by_square, sdr_lanes w,
-                            const sdr_lanes *xi)
+/* Add to S = sum W h_p (x) xi, with h = (z.f)^2/(2 f.f), p = G xi, and to the sums of z. */
+SDR_INLINE void add_control(const int n, const int sums, const sdr_lanes *g, const sdr_lanes *xi,
+                            const sdr_lanes *eta, sdr_lanes w, sdr_lanes_sums *to)
 {
-  const sdr_lanes share = r->along * by_square, part = w * share;
+  sdr_residual r;
+  residual_of(n, g, xi, eta, &r);
+  const sdr_lanes share = r.along / r.square, part = w * share;
+  const sdr_lanes whole = all_lanes(1.0) + share;
   sdr_lanes z = all_lanes(0.0);
   for (int a = 0; a < n; ++a) {
-    const sdr_lanes h = part * (r->z[a] - r->f[a] - share * r->f[a]);
-    for (int b = 0; b < n; ++b) add_lanes(body->bearing[n * a + b] + i, count, h * xi[b]);
-    z += r->z[a] * r->z[a];
+    const sdr_lanes h = part * fma_lanes(-whole, r.f[a], r.z[a]);
+    for (int b = 0; b < n; ++b) to->s[n * a + b] = fma_lanes(h, xi[b], to->s[n * a + b]);
+    z = fma_lanes(r.z[a], r.z[a], z);
   }
-  add_lanes(body->square + i, count, w * z);
-  add_lanes(body->along + i, count, part * r->along);
+  if (!sums) return;
+  to->square = fma_lanes(w, z, to->square);
+  to->along = fma_lanes(part, r.along, to->along);
 }
 
-SDR_INLINE void load_all(const int count, double *const from[9], int64_t i, int lanes,
-                         sdr_lanes *to)
+SDR_INLINE void control_bundle(const int n, const int sums, const sdr_lanes_points *at,
+                               const sdr_lanes *g, const sdr_bundle *b, const sdr_direction *d,
+                               unsigned lanes, sdr_lanes_sums *to)
 {
-  for (int k = 0; k < count; ++k) to[k] = load_lanes(from[k] + i, lanes);
+  const unsigned left = lanes_left(at, b, lanes, 0);
+  sdr_lanes eta[3], xi[3];
+  for (int a = 0; a < n; ++a) {
+    const double *const u = at->u[a] + at->i;
+    eta[a] = load_some(u + b->offset, left) - load_lanes(u);
+    xi[a] = all_lanes(d->xi[a]);
+  }
+  add_control(n, sums, g, xi, eta, only_lanes(left, all_lanes(d->own)), to);
 }
 
-SDR_INLINE void control_pairs(const int n, const int marked, const sdr_nonordinary_body *body,
-                              const sdr_pairs *p, double *const u[3])
+/* Pass A2 for G. */
+SDR_INLINE void control(const int n, const int sums, const sdr_lanes_points *at, const sdr_lanes *g,
+                        sdr_lanes_sums *out)
 {
-  sdr_lanes eta[3], xi[3], g[9];
-  sdr_residual ri, rj;
-  eta_of(n, p, u, eta);
-  for (int a = 0; a < n; ++a) xi[a] = all_lanes(p->class->xi[a]);
-  load_all(n * n, body->gradient, p->i, p->count, g);
-  residual_of(n, g, xi, eta, &ri);
-  load_all(n * n, body->gradient, p->j, p->count, g);
-  residual_of(n, g, xi, eta, &rj);
-  const sdr_lanes both = all_lanes(1.0) / (ri.square * rj.square);
-  add_control(n, body, p->i, p->count, &ri, rj.square * both,
-              weight_of(marked, p, SDR_LOST_I, p->class->weight_ij), xi);
-  add_control(n, body, p->j, p->count, &rj, ri.square * both,
-              weight_of(marked, p, SDR_LOST_J, p->class->weight_ji), xi);
+  const sdr_nonordinary_body *body = at->body;
+  sdr_lanes_sums to;
+  memset(&to, 0, sizeof to);
+#define SDR_DO(b, d, lanes) control_bundle(n, sums, at, g, b, d, lanes, &to);
+  SDR_ALL_BUNDLES(SDR_DO)
+#undef SDR_DO
+#define SDR_DO(slot)                                                                               \
+  {                                                                                                \
+    sdr_loose_lanes p;                                                                             \
+    loose_lanes(n, body, at->i, slot, at->u, &p);                                                  \
+    add_control(n, sums, g, p.xi, p.eta, p.wi, &to);                                               \
+  }
+  SDR_ALL_COLUMNS(SDR_DO)
+#undef SDR_DO
+  *out = to;
 }
 
 /* ---- pass B ---------------------------------------------------------------------------------- */
 
-/* What bears on the bonds of points: A, G, control. */
+/* What bears on the bonds of points: A, G (linear: stiff sym G, upper half), control. */
 typedef struct {
   sdr_lanes a[9], g[9], soft, stiff;
 } sdr_bearing;
 
-SDR_INLINE void bearing_at(const int n, const int finite, const sdr_nonordinary_body *body,
-                           int64_t i, int count, sdr_bearing *at)
+/* What a pair has of its two ends together, each times its weight. */
+typedef struct {
+  sdr_lanes a[9], g[6], soft, stiff;
+} sdr_bearing_sum;
+
+/* Values of G in use: all, or the upper half. */
+SDR_INLINE int gradient_entries(const int n, const int finite, int entry[9])
 {
-  load_all(n * n, body->bearing, i, count, at->a);
-  if (finite) load_all(n * n, body->gradient, i, count, at->g);
-  for (int a = 0; !finite && a < n; ++a) /* symmetric */
-    for (int b = a; b < n; ++b) at->g[n * a + b] = load_lanes(body->gradient[n * a + b] + i, count);
-  at->soft = load_lanes(body->soft + i, count);
-  at->stiff = load_lanes(body->stiff + i, count);
+  int count = 0;
+  for (int a = 0; a < n; ++a)
+    for (int b = finite ? 0 : a; b < n; ++b) entry[count++] = n * a + b;
+  return count;
 }
 
-/* n.G xi |xi|, G symmetric; xi_xi: xi_a xi_b. */
-SDR_INLINE sdr_lanes strain_along(const int n, const sdr_lanes *g, const sdr_lanes *xi)
+/* force += A xi + soft eta + (linear) (stiff eta.xi - stiff G:xi (x) xi) normal. */
+SDR_INLINE void add_linear_force(const int n, const int finite, const sdr_bearing_sum *sum,
+                                 const sdr_lanes *xi, const sdr_lanes *eta,
+                                 const sdr_lanes *weighted, const sdr_lanes *normal,
+                                 const sdr_lanes *twice, sdr_lanes soft, sdr_lanes *force)
 {
-  sdr_lanes strain = all_lanes(0.0);
   for (int a = 0; a < n; ++a) {
-    strain += g[n * a + a] * (xi[a] * xi[a]);
-    for (int b = a + 1; b < n; ++b) strain += g[n * a + b] * (2.0 * (xi[a] * xi[b]));
+    force[a] = fma_lanes(soft, eta[a], force[a]);
+    for (int b = 0; b < n; ++b) force[a] = fma_lanes(sum->a[n * a + b], weighted[b], force[a]);
   }
-  return strain;
+  if (finite) return;
+  sdr_lanes along = eta[0] * xi[0], strain = sum->g[0] * twice[0];
+  for (int a = 1; a < n; ++a) along = fma_lanes(eta[a], xi[a], along);
+  for (int k = 1; k < n * (n + 1) / 2; ++k) strain = fma_lanes(sum->g[k], twice[k], strain);
+  const sdr_lanes c = fma_lanes(sum->stiff, along, -strain);
+  for (int a = 0; a < n; ++a) force[a] = fma_lanes(c, normal[a], force[a]);
 }
 
-/* Force of a pair on i; wi, wj: W of its halves. */
-SDR_INLINE void pair_force(const int n, const int finite, const sdr_bearing *i,
-                           const sdr_bearing *j, const sdr_lanes *xi, const sdr_lanes *eta,
-                           sdr_lanes by_length, sdr_lanes wi, sdr_lanes wj, sdr_lanes *force)
+/* force += the normal control of both ends; ci, cj: W stiff. */
+SDR_INLINE void add_normal_force(const int n, const sdr_lanes *gi, const sdr_lanes *gj,
+                                 const sdr_lanes *xi, const sdr_lanes *eta, sdr_lanes ci,
+                                 sdr_lanes cj, sdr_lanes *force)
 {
-  const sdr_lanes soft = wi * i->soft + wj * j->soft;
-  const sdr_lanes ci = wi * i->stiff, cj = wj * j->stiff;
+  sdr_residual i, j;
+  residual_of(n, gi, xi, eta, &i);
+  residual_of(n, gj, xi, eta, &j);
+  const sdr_lanes both = all_lanes(1.0) / (i.square * j.square);
+  const sdr_lanes si = ci * (i.along * (j.square * both));
+  const sdr_lanes sj = cj * (j.along * (i.square * both));
+  for (int a = 0; a < n; ++a) force[a] = fma_lanes(si, i.f[a], fma_lanes(sj, j.f[a], force[a]));
+}
+
+SDR_INLINE void force_of_bundle(const int n, const int finite, const sdr_lanes_points *at,
+                                const sdr_bearing *own, const sdr_bundle *b, const sdr_direction *d,
+                                unsigned lanes, sdr_lanes *force)
+{
+  const sdr_nonordinary_body *const body = at->body;
+  const unsigned i = lanes_left(at, b, lanes, 0), j = lanes_left(at, b, lanes, 1);
+  const int64_t other = at->i + b->offset;
+  const sdr_lanes ratio = all_lanes(d->ratio), w = all_lanes(d->other);
+  sdr_lanes eta[3], xi[3], weighted[3], normal[3], twice[6], g[9];
+  sdr_bearing_sum sum;
+  int entry[9];
+  const int entries = gradient_entries(n, finite, entry);
   for (int a = 0; a < n; ++a) {
-    force[a] = soft * eta[a];
-    for (int b = 0; b < n; ++b) force[a] += (wi * i->a[n * a + b] + wj * j->a[n * a + b]) * xi[b];
+    eta[a] = load_some(at->u[a] + other, lanes) - load_lanes(at->u[a] + at->i);
+    xi[a] = all_lanes(d->xi[a]);
+    weighted[a] = all_lanes(d->other_xi[a]);
+    normal[a] = all_lanes(d->other_normal[a]);
   }
-  if (finite) {
-    sdr_residual ri, rj;
-    residual_of(n, i->g, xi, eta, &ri);
-    residual_of(n, j->g, xi, eta, &rj);
-    const sdr_lanes both = all_lanes(1.0) / (ri.square * rj.square);
-    const sdr_lanes si = ci * (ri.along * (rj.square * both));
-    const sdr_lanes sj = cj * (rj.along * (ri.square * both));
-    for (int a = 0; a < n; ++a) force[a] += si * ri.f[a] + sj * rj.f[a];
-  } else {
-    sdr_lanes along = all_lanes(0.0);
-    for (int a = 0; a < n; ++a) along += eta[a] * xi[a];
-    const sdr_lanes c =
-        (ci * (along - strain_along(n, i->g, xi)) + cj * (along - strain_along(n, j->g, xi))) *
-        (by_length * by_length);
-    for (int a = 0; a < n; ++a) force[a] += c * xi[a];
+  for (int k = 0; k < n * (n + 1) / 2; ++k) twice[k] = all_lanes(d->twice[k]);
+  for (int k = 0; k < n * n; ++k)
+    sum.a[k] = fma_some(i, own->a[k], ratio, load_some(body->bearing[k] + other, j));
+  for (int k = 0; k < entries; ++k) {
+    g[k] = load_some(body->gradient[entry[k]] + other, j);
+    if (!finite) sum.g[k] = fma_some(i, own->g[entry[k]], ratio, g[k]);
   }
+  const sdr_lanes soft = load_some(body->soft + other, j),
+                  stiff = load_some(body->stiff + other, j);
+  sum.soft = fma_some(i, own->soft, ratio, soft);
+  sum.stiff = fma_some(i, own->stiff, ratio, stiff);
+  add_linear_force(n, finite, &sum, xi, eta, weighted, normal, twice, w * sum.soft, force);
+  if (finite)
+    add_normal_force(n, own->g, g, xi, eta, only_lanes(i, all_lanes(d->own) * own->stiff),
+                     w * stiff, force);
 }
 
-SDR_INLINE void force_pairs(const int n, const int finite, const int marked,
-                            const sdr_nonordinary_body *body, const sdr_pairs *p,
-                            double *const u[3], double *const f[3])
+SDR_INLINE void force_of_column(const int n, const int finite, const sdr_lanes_points *at,
+                                const sdr_bearing *own, int64_t slot, sdr_lanes *force)
 {
-  sdr_lanes eta[3], xi[3], force[3];
-  sdr_bearing i, j;
-  eta_of(n, p, u, eta);
-  for (int a = 0; a < n; ++a) xi[a] = all_lanes(p->class->xi[a]);
-  bearing_at(n, finite, body, p->i, p->count, &i);
-  bearing_at(n, finite, body, p->j, p->count, &j);
-  pair_force(n, finite, &i, &j, xi, eta, all_lanes(1.0 / p->class->length),
-             weight_of(marked, p, SDR_LOST_I, p->class->weight_ij),
-             weight_of(marked, p, SDR_LOST_J, p->class->weight_ji), force);
+  const sdr_nonordinary_body *const body = at->body;
+  sdr_loose_lanes p;
+  sdr_lanes normal[3], twice[6], g[9];
+  sdr_bearing_sum sum;
+  int entry[9], k = 0;
+  const int entries = gradient_entries(n, finite, entry);
+  loose_lanes(n, body, at->i, slot, at->u, &p);
+  for (int e = 0; e < n * n; ++e)
+    sum.a[e] = fma_lanes(p.wi, own->a[e], p.wj * gather_lanes(body->bearing[e], p.j));
+  for (int e = 0; e < entries; ++e) {
+    g[e] = gather_lanes(body->gradient[entry[e]], p.j);
+    if (!finite) sum.g[e] = fma_lanes(p.wi, own->g[entry[e]], p.wj * g[e]);
+  }
+  const sdr_lanes ci = p.wi * own->stiff, cj = p.wj * gather_lanes(body->stiff, p.j);
+  sum.soft = fma_lanes(p.wi, own->soft, p.wj * gather_lanes(body->soft, p.j));
+  sum.stiff = ci + cj;
   for (int a = 0; a < n; ++a) {
-    add_lanes(f[a] + p->i, p->count, force[a]);
-    add_lanes(f[a] + p->j, p->count, -force[a]);
+    normal[a] = p.xi[a] * p.by_square;
+    for (int b = a; b < n; ++b) twice[k++] = (a == b ? 1.0 : 2.0) * p.xi[a] * p.xi[b];
   }
+  add_linear_force(n, finite, &sum, p.xi, p.eta, p.xi, normal, twice, sum.soft, force);
+  if (finite) add_normal_force(n, own->g, g, p.xi, p.eta, ci, cj, force);
 }
 
-/* ---- runs ------------------------------------------------------------------------------------ */
-
-/* DO(marked, pairs) for all pairs of a run, whole lanes first. */
-#define SDR_RUN_LANES(DO, marked)                                                                  \
-  for (; pairs.at + SDR_WIDTH <= run->length; pairs.at += SDR_WIDTH) {                             \
-    pairs.i = run->i0 + pairs.at;                                                                  \
-    pairs.j = run->j0 + pairs.at;                                                                  \
-    pairs.count = SDR_WIDTH;                                                                       \
-    DO(marked)                                                                                     \
-  }                                                                                                \
-  if (pairs.at < run->length) {                                                                    \
-    pairs.i = run->i0 + pairs.at;                                                                  \
-    pairs.j = run->j0 + pairs.at;                                                                  \
-    pairs.count = (int)(run->length - pairs.at);                                                   \
-    DO(marked)                                                                                     \
-  }
-
-/* The same for the runs [first, end). */
-#define SDR_ALL_RUNS(DO)                                                                           \
-  for (int64_t r = first; r < end; ++r) {                                                          \
-    const sdr_bond_run *run = &body->bonds->runs[r];                                               \
-    sdr_pairs pairs = {.class = &body->bonds->classes[run->class_index],                           \
-                       .flags = body->flags ? body->flags + run->slot : NULL};                     \
-    if (body->run_flagged && body->run_flagged[r]) {                                               \
-      SDR_RUN_LANES(DO, 1)                                                                         \
-    } else {                                                                                       \
-      SDR_RUN_LANES(DO, 0)                                                                         \
-    }                                                                                              \
-  }
-
-SDR_INLINE void gather_runs(const int n, const int finite, const int sums,
-                            const sdr_nonordinary_body *body, int64_t first, int64_t end,
-                            double *const u[3])
+SDR_INLINE void force_of_lanes(const int n, const int finite, const sdr_lanes_points *at,
+                               double *const f[3])
 {
-#define SDR_DO(marked) gather_pairs(n, finite, sums, marked, body, &pairs, u);
-  SDR_ALL_RUNS(SDR_DO)
+  const sdr_nonordinary_body *const body = at->body;
+  sdr_bearing own;
+  sdr_lanes force[3] = {all_lanes(0.0), all_lanes(0.0), all_lanes(0.0)};
+  load_all(n * n, body->bearing, at->i, own.a);
+  load_all(n * n, body->gradient, at->i, own.g);
+  own.soft = load_lanes(body->soft + at->i);
+  own.stiff = load_lanes(body->stiff + at->i);
+#define SDR_DO(b, d, lanes) force_of_bundle(n, finite, at, &own, b, d, lanes, force);
+  SDR_ALL_BUNDLES(SDR_DO)
 #undef SDR_DO
-}
-
-SDR_INLINE void control_runs(const int n, const sdr_nonordinary_body *body, int64_t first,
-                             int64_t end, double *const u[3])
-{
-#define SDR_DO(marked) control_pairs(n, marked, body, &pairs, u);
-  SDR_ALL_RUNS(SDR_DO)
+#define SDR_DO(slot) force_of_column(n, finite, at, &own, slot, force);
+  SDR_ALL_COLUMNS(SDR_DO)
 #undef SDR_DO
-}
-
-SDR_INLINE void force_runs(const int n, const int finite, const sdr_nonordinary_body *body,
-                           int64_t first, int64_t end, double *const u[3], double *const f[3])
-{
-#define SDR_DO(marked) force_pairs(n, finite, marked, body, &pairs, u, f);
-  SDR_ALL_RUNS(SDR_DO)
-#undef SDR_DO
-}
-
-/* ---- bonds that break ------------------------------------------------------------------------ */
-
-SDR_INLINE int found_in_run(const int n, const int marked, const sdr_nonordinary_body *body,
-                            const sdr_bond_run *run, const double *limit, double *const u[3])
-{
-  const sdr_bond_class *class = &body->bonds->classes[run->class_index];
-  const double *const limit_i = limit + run->i0, *const limit_j = limit + run->j0;
-  const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
-  const double *const xi = u[0] + run->i0, *const xj = u[0] + run->j0;
-  const double *const yi = n > 1 ? u[1] + run->i0 : xi, *const yj = n > 1 ? u[1] + run->j0 : xj;
-  const double *const zi = n > 2 ? u[2] + run->i0 : xi, *const zj = n > 2 ? u[2] + run->j0 : xj;
-  const sdr_flags *const flags = marked ? body->flags + run->slot : NULL;
-  int any = 0;
-#pragma omp simd reduction(| : any)
-  for (int k = 0; k < run->length; ++k) {
-    const double ex = xj[k] - xi[k], ey = n > 1 ? yj[k] - yi[k] : 0.0;
-    const double ez = n > 2 ? zj[k] - zi[k] : 0.0;
-    double z = (2.0 * xx + ex) * ex;
-    if (n > 1) z += (2.0 * xy + ey) * ey;
-    if (n > 2) z += (2.0 * xz + ez) * ez;
-    z *= class->inverse_square;
-    int over_i = z > limit_i[k], over_j = z > limit_j[k];
-    if (marked) {
-      over_i = flags[k] & (SDR_LOST_I | SDR_PROTECTED) ? 0 : over_i;
-      over_j = flags[k] & (SDR_LOST_J | SDR_PROTECTED) ? 0 : over_j;
-    }
-    any |= over_i | over_j;
-  }
-  return any;
-}
-
-SDR_INLINE void find_runs(const int n, const sdr_nonordinary_body *body, int64_t first, int64_t end,
-                          double *const u[3], const double *limit, uint8_t *found)
-{
-  for (int64_t r = first; r < end; ++r) {
-    const sdr_bond_run *run = &body->bonds->runs[r];
-    found[r] = (uint8_t)(body->run_flagged && body->run_flagged[r]
-                             ? found_in_run(n, 1, body, run, limit, u)
-                             : found_in_run(n, 0, body, run, limit, u));
-  }
+  for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, force[a]);
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* From the sums over a point's family to what bears on its bonds: gradient, stress, damage, and the
-   share of the control energy that comes from z = eta - G xi hanging on G. Literals as in
+/* From the sums over the families of points to what bears on their bonds: gradient, stress, damage,
+   and the share of the control energy that comes from z = eta - G xi hanging on G. Literals as in
    nonordinary_loop.h; points are the lanes. */
 #ifndef SDR_MECHANICS_NONORDINARY_POINT_H
 #define SDR_MECHANICS_NONORDINARY_POINT_H
@@ -7,310 +7,254 @@
 #include "mechanics/nonordinary_loop.h"
 #include "mechanics/stress.h"
 
-/* out = a K^-1 */
-SDR_INLINE void times_inverse(const int n, const sdr_nonordinary_body *body, int64_t i,
-                              const double *a, double *out)
+/* sdr_point_stress of the lanes; p_minus only where energies are split. */
+typedef struct {
+  sdr_lanes plus, minus, p_plus[9], p_minus[9];
+} sdr_lanes_stress;
+
+/* Passes A and A2 of points. */
+typedef void (*sdr_lanes_gather)(const sdr_lanes_points *at, sdr_lanes_sums *out);
+typedef void (*sdr_lanes_control)(const sdr_lanes_points *at, const sdr_lanes *g,
+                                  sdr_lanes_sums *out);
+/* Stress of points i and after at G, n x n. */
+typedef void (*sdr_lanes_law)(const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
+                              sdr_lanes_stress *out);
+
+/* ---- small matrices -------------------------------------------------------------------------- */
+
+/* out = a b */
+SDR_INLINE void lanes_multiply(const int n, const sdr_lanes *a, const sdr_lanes *b, sdr_lanes *out)
 {
   for (int r = 0; r < n; ++r)
     for (int c = 0; c < n; ++c) {
-      double sum = 0.0;
-      for (int k = 0; k < n; ++k) sum += a[n * r + k] * body->inverse[sdr_upper(n, k, c)][i];
-      out[n * r + c] = sum;
+      out[n * r + c] = a[n * r] * b[c];
+      for (int k = 1; k < n; ++k)
+        out[n * r + c] = fma_lanes(a[n * r + k], b[n * k + c], out[n * r + c]);
     }
 }
-
-SDR_INLINE void load_matrix(const int n, double *const from[9], int64_t i, double *to)
-{
-  for (int k = 0; k < n * n; ++k) to[k] = from[k][i];
-}
-SDR_INLINE void store_matrix(const int n, const double *from, int64_t i, double *const to[9])
-{
-  for (int k = 0; k < n * n; ++k) to[k][i] = from[k];
-}
-
-/* Q of the kept values and the trace of M. */
-SDR_INLINE void load_normal(const int n, const sdr_nonordinary_body *body, int64_t i,
-                            const double *m, double *q)
-{
-  double last = sdr_trace(n, m);
-  int k = 0;
-  for (int a = 0; a < n; ++a)
-    for (int b = a; b < n; ++b) {
-      const double value = k < kept_of_normal(n) ? body->bearing[k][i] : last;
-      ++k;
-      q[n * a + b] = q[n * b + a] = value;
-      if (a == b) last -= value;
-    }
-}
-
-/* S = -(Q - C:G), C the fourth moments. */
-SDR_INLINE void normal_sum(const int n, const sdr_nonordinary_body *body, int64_t i,
-                           const double *q, const double *strain, double *s)
-{
-  for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b) {
-      double sum = -q[n * a + b];
-      for (int c = 0; c < n; ++c)
-        for (int d = 0; d < n; ++d)
-          sum += body->quartic[sdr_quartic_index(n, a, b, c, d)][i] * strain[n * c + d];
-      s[n * a + b] = sum;
-    }
-}
-
-/* What pass A (and A2) left of a point: gradient (linear: its symmetric part in `strain`), S, and
-   the sums of W |z|^2 and W (z.n)^2. */
-typedef struct {
-  double g[9], strain[9], s[9], square, along;
-} sdr_family_state;
-
-SDR_INLINE void family_state(const int n, const int finite, const int sums,
-                             const sdr_nonordinary_body *body, int64_t i, sdr_family_state *out)
-{
-  if (finite) {
-    load_matrix(n, body->gradient, i, out->g);
-    load_matrix(n, body->bearing, i, out->s);
-    out->square = body->square[i];
-    out->along = body->along[i];
-    return;
-  }
-  double m[9], q[9];
-  load_matrix(n, body->gradient, i, m);
-  load_normal(n, body, i, m, q);
-  times_inverse(n, body, i, m, out->g);
-  sdr_strain_of(n, 0, out->g, out->strain);
-  normal_sum(n, body, i, q, out->strain, out->s);
-  if (!sums) return;
-  /* sum W |eta - G xi|^2 and sum W (eta.n - n.G xi)^2, multiplied out */
-  out->square = body->square[i] - sdr_contract(n, out->g, m);
-  out->along =
-      body->along[i] - sdr_contract(n, out->strain, q) + sdr_contract(n, out->strain, out->s);
-}
-
-/* A = (V P + stiff S) K^-1, less soft G, which turns soft z into soft eta. */
-SDR_INLINE void store_bearing(const int n, const int finite, const sdr_nonordinary_body *body,
-                              int64_t i, const sdr_family_state *state, const double *stress,
-                              double soft, double stiff)
-{
-  double sum[9], a[9];
-  for (int k = 0; k < n * n; ++k)
-    sum[k] = body->points->volume[i] * stress[k] + stiff * state->s[k];
-  times_inverse(n, body, i, sum, a);
-  for (int k = 0; k < n * n; ++k) a[k] -= soft * state->g[k];
-  store_matrix(n, a, i, body->bearing);
-  if (!finite) store_matrix(n, state->strain, i, body->gradient);
-  body->soft[i] = soft;
-  body->stiff[i] = stiff;
-}
-
-SDR_INLINE void point_at(const int n, const int elasticity, const int split, const int task,
-                         const sdr_nonordinary_body *body, int64_t i)
-{
-  const int finite = elasticity != SDR_LINEAR;
-  const sdr_moduli moduli = {body->lambda[i], body->mu[i], body->plane_stress};
-  sdr_family_state state;
-  sdr_point_stress stress;
-  family_state(n, finite, task != SDR_POINT_ELASTIC, body, i, &state);
-  sdr_stress_at(n, elasticity, split, &moduli, state.g, &stress);
-  double intact = 1.0;
-  if (task != SDR_POINT_ELASTIC) {
-    const double control = 0.5 * (body->shear[i] * state.square + body->normal[i] * state.along);
-    const double volume = body->points->volume[i];
-    const double plus = stress.plus + (volume > 0.0 ? control / volume : 0.0);
-    if (task == SDR_POINT_ENERGY) {
-      body->plus[i] = plus;
-      body->minus[i] = stress.minus;
-      if (!finite) store_matrix(n, state.strain, i, body->gradient);
-      return;
-    }
-    const double grown = plus > body->history[i] ? plus : body->history[i];
-    const double left = 1.0 / (1.0 + grown * body->softness[i]);
-    if (body->commit) body->history[i] = grown;
-    intact = left * left;
-    for (int k = 0; k < n * n; ++k)
-      stress.p_plus[k] = intact * stress.p_plus[k] + stress.p_minus[k];
-  }
-  store_bearing(n, finite, body, i, &state, stress.p_plus, intact * body->shear[i],
-                intact * body->normal[i]);
-}
-
-/* ---- small strains, in lanes ----------------------------------------------------------------- */
 
 /* out = a K^-1 */
 SDR_INLINE void lanes_times_inverse(const int n, const sdr_nonordinary_body *body, int64_t i,
-                                    int count, const sdr_lanes *a, sdr_lanes *out)
+                                    const sdr_lanes *a, sdr_lanes *out)
 {
-  sdr_lanes inverse[6];
-  for (int k = 0; k < n * (n + 1) / 2; ++k) inverse[k] = load_lanes(body->inverse[k] + i, count);
+  sdr_lanes inverse[9];
   for (int r = 0; r < n; ++r)
-    for (int c = 0; c < n; ++c) {
-      out[n * r + c] = a[n * r] * inverse[sdr_upper(n, 0, c)];
-      for (int k = 1; k < n; ++k) out[n * r + c] += a[n * r + k] * inverse[sdr_upper(n, k, c)];
-    }
+    for (int c = r; c < n; ++c)
+      inverse[n * r + c] = inverse[n * c + r] = load_lanes(body->inverse[sdr_upper(n, r, c)] + i);
+  lanes_multiply(n, a, inverse, out);
 }
 
 SDR_INLINE sdr_lanes lanes_contract(const int n, const sdr_lanes *a, const sdr_lanes *b)
 {
   sdr_lanes sum = a[0] * b[0];
-  for (int k = 1; k < n * n; ++k) sum += a[k] * b[k];
+  for (int k = 1; k < n * n; ++k) sum = fma_lanes(a[k], b[k], sum);
   return sum;
 }
 
-/* family_state of points i and after. */
+SDR_INLINE sdr_lanes lanes_trace(const int n, const sdr_lanes *a)
+{
+  sdr_lanes trace = a[0];
+  for (int r = 1; r < n; ++r) trace += a[(n + 1) * r];
+  return trace;
+}
+
+/* sdr_strain_of */
+SDR_INLINE void lanes_strain(const int n, const int finite, const sdr_lanes *g, sdr_lanes *e)
+{
+  for (int a = 0; a < n; ++a)
+    for (int b = a; b < n; ++b) {
+      sdr_lanes sum = g[n * a + b] + g[n * b + a];
+      for (int c = 0; finite && c < n; ++c) sum = fma_lanes(g[n * c + a], g[n * c + b], sum);
+      e[n * a + b] = e[n * b + a] = 0.5 * sum;
+    }
+}
+
+/* sdr_piola_of, in place */
+SDR_INLINE void lanes_piola(const int n, const sdr_lanes *g, sdr_lanes *s)
+{
+  sdr_lanes turned[9];
+  lanes_multiply(n, g, s, turned);
+  for (int k = 0; k < n * n; ++k) s[k] += turned[k];
+}
+
+/* ---- laws ------------------------------------------------------------------------------------ */
+
+/* sdr_strain_law, whole or split by dilatation, and the first Piola stress of it. */
+SDR_INLINE void strain_law(const int n, const int finite, const int split,
+                           const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
+                           sdr_lanes_stress *out)
+{
+  const sdr_lanes mu = load_lanes(body->mu + i), zero = all_lanes(0.0);
+  const sdr_lanes bulk = load_lanes(body->lambda + i) + (2.0 / n) * mu;
+  sdr_lanes e[9], square = zero;
+  lanes_strain(n, finite, g, e);
+  const sdr_lanes trace = lanes_trace(n, e), share = (1.0 / n) * trace;
+  const sdr_lanes grown = split == SDR_SPLIT_WHOLE ? trace : where_above(trace, zero, trace, zero);
+  const sdr_lanes shrunk = trace - grown;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < n; ++b) {
+      const sdr_lanes part = a == b ? e[n * a + b] - share : e[n * a + b];
+      square = fma_lanes(part, part, square);
+      out->p_plus[n * a + b] = 2.0 * mu * part;
+      out->p_minus[n * a + b] = zero;
+      if (a != b) continue;
+      out->p_plus[n * a + b] += bulk * grown;
+      out->p_minus[n * a + b] = bulk * shrunk;
+    }
+  out->plus = 0.5 * bulk * grown * grown + mu * square;
+  out->minus = 0.5 * bulk * shrunk * shrunk;
+  if (!finite) return;
+  lanes_piola(n, g, out->p_plus);
+  if (split != SDR_SPLIT_WHOLE) lanes_piola(n, g, out->p_minus);
+}
+
+/* What has branches or logarithms: lane by lane. */
+SDR_INLINE void law_by_lane(const int n, const int elasticity, const int split,
+                            const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
+                            sdr_lanes_stress *out)
+{
+  for (int l = 0; l < SDR_WIDTH; ++l) {
+    const sdr_moduli moduli = {body->lambda[i + l], body->mu[i + l], body->plane_stress};
+    double gradient[9];
+    sdr_point_stress stress;
+    for (int k = 0; k < n * n; ++k) gradient[k] = g[k][l];
+    sdr_stress_at(n, elasticity, split, &moduli, gradient, &stress);
+    out->plus[l] = stress.plus;
+    out->minus[l] = stress.minus;
+    for (int k = 0; k < n * n; ++k) {
+      out->p_plus[k][l] = stress.p_plus[k];
+      out->p_minus[k][l] = stress.p_minus[k];
+    }
+  }
+}
+
+SDR_INLINE void law_of_lanes(const int n, const int elasticity, const int split,
+                             const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
+                             sdr_lanes_stress *out)
+{
+  if (elasticity != SDR_NEO_HOOKEAN && split != SDR_SPLIT_SPECTRAL)
+    strain_law(n, elasticity != SDR_LINEAR, split, body, i, g, out);
+  else
+    law_by_lane(n, elasticity, split, body, i, g, out);
+}
+
+/* ---- states ---------------------------------------------------------------------------------- */
+
+/* A point's G, what pass B takes for it (linear: sym G), S, and the sums of W |z|^2, W (z.n)^2. */
 typedef struct {
   sdr_lanes g[9], strain[9], s[9], square, along;
 } sdr_lanes_state;
 
-SDR_INLINE void lanes_state(const int n, const int sums, const sdr_nonordinary_body *body,
-                            int64_t i, int count, sdr_lanes_state *out)
+/* S = -(Q - C:G), C the fourth moments, Q of the kept values and the trace of M; the sums
+   multiplied out. */
+SDR_INLINE void linear_state(const int n, const int sums, const sdr_nonordinary_body *body,
+                             int64_t i, const sdr_lanes_sums *of, sdr_lanes_state *out)
 {
-  sdr_lanes m[9], q[9], quartic[15], last = all_lanes(0.0);
+  sdr_lanes q[9], quartic[15], last = lanes_trace(n, of->m);
   int kept = 0;
-  load_all(n * n, body->gradient, i, count, m);
-  for (int a = 0; a < n; ++a) last += m[(n + 1) * a];
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n; ++b) {
-      q[n * a + b] = last;
-      if (kept < kept_of_normal(n)) q[n * a + b] = load_lanes(body->bearing[kept] + i, count);
-      q[n * b + a] = q[n * a + b];
+      q[n * a + b] = q[n * b + a] = kept < kept_of_normal(n) ? of->q[kept] : last;
       ++kept;
       if (a == b) last -= q[n * a + b];
     }
-  lanes_times_inverse(n, body, i, count, m, out->g);
-  for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b)
-      out->strain[n * a + b] = 0.5 * (out->g[n * a + b] + out->g[n * b + a]);
+  lanes_strain(n, 0, out->g, out->strain);
   for (int k = 0; k < (n == 1 ? 1 : n == 2 ? 5 : 15); ++k)
-    quartic[k] = load_lanes(body->quartic[k] + i, count);
+    quartic[k] = load_lanes(body->quartic[k] + i);
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n; ++b) {
       sdr_lanes sum = -q[n * a + b];
       for (int c = 0; c < n; ++c)
         for (int d = 0; d < n; ++d)
-          sum += quartic[sdr_quartic_index(n, a, b, c, d)] * out->strain[n * c + d];
+          sum = fma_lanes(quartic[sdr_quartic_index(n, a, b, c, d)], out->strain[n * c + d], sum);
       out->s[n * a + b] = out->s[n * b + a] = sum;
     }
   if (!sums) return;
-  out->square = load_lanes(body->square + i, count) - lanes_contract(n, out->g, m);
-  out->along = load_lanes(body->along + i, count) - lanes_contract(n, out->strain, q) +
-               lanes_contract(n, out->strain, out->s);
+  out->square = of->square - lanes_contract(n, out->g, of->m);
+  out->along =
+      of->along - lanes_contract(n, out->strain, q) + lanes_contract(n, out->strain, out->s);
 }
 
-/* The linear law, whole or split by dilatation: stress is shear + I grown (psi+) and I shrunk. */
-typedef struct {
-  sdr_lanes shear[9], grown, shrunk, plus, minus;
-} sdr_lanes_stress;
-
-SDR_INLINE void lanes_stress(const int n, const int split, const sdr_nonordinary_body *body,
-                             int64_t i, int count, const sdr_lanes *e, sdr_lanes_stress *out)
-{
-  const sdr_lanes mu = load_lanes(body->mu + i, count), zero = all_lanes(0.0);
-  const sdr_lanes bulk = load_lanes(body->lambda + i, count) + (2.0 / n) * mu;
-  sdr_lanes trace = e[0], square = zero;
-  for (int a = 1; a < n; ++a) trace += e[(n + 1) * a];
-  const sdr_lanes share = (1.0 / n) * trace;
-  for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b) {
-      const sdr_lanes part = a == b ? e[n * a + b] - share : e[n * a + b];
-      square += part * part;
-      out->shear[n * a + b] = 2.0 * mu * part;
-    }
-  const sdr_lanes grown = split == SDR_SPLIT_WHOLE ? trace : where_above(trace, zero, trace, zero);
-  const sdr_lanes shrunk = trace - grown;
-  out->grown = bulk * grown;
-  out->shrunk = bulk * shrunk;
-  out->plus = 0.5 * bulk * grown * grown + mu * square;
-  out->minus = 0.5 * bulk * shrunk * shrunk;
-}
-
-/* store_bearing of points i and after. */
-SDR_INLINE void lanes_bearing(const int n, const sdr_nonordinary_body *body, int64_t i, int count,
-                              const sdr_lanes_state *state, const sdr_lanes *stress,
+/* A = (V P + stiff S) K^-1, less soft G, which turns soft z into soft eta. */
+SDR_INLINE void store_bearing(const int n, const int finite, const sdr_nonordinary_body *body,
+                              int64_t i, const sdr_lanes_state *state, const sdr_lanes *stress,
                               sdr_lanes intact)
 {
-  const sdr_lanes soft = intact * load_lanes(body->shear + i, count);
-  const sdr_lanes stiff = intact * load_lanes(body->normal + i, count);
-  const sdr_lanes volume = load_lanes(body->points->volume + i, count);
+  const sdr_lanes soft = intact * load_lanes(body->shear + i);
+  const sdr_lanes stiff = intact * load_lanes(body->normal + i);
+  const sdr_lanes volume = load_lanes(body->points->volume + i);
   sdr_lanes sum[9], a[9];
-  for (int k = 0; k < n * n; ++k) sum[k] = volume * stress[k] + stiff * state->s[k];
-  lanes_times_inverse(n, body, i, count, sum, a);
-  for (int k = 0; k < n * n; ++k) {
-    store_lanes(body->bearing[k] + i, count, a[k] - soft * state->g[k]);
-    store_lanes(body->gradient[k] + i, count, state->strain[k]);
-  }
-  store_lanes(body->soft + i, count, soft);
-  store_lanes(body->stiff + i, count, stiff);
+  for (int k = 0; k < n * n; ++k) sum[k] = fma_lanes(volume, stress[k], stiff * state->s[k]);
+  lanes_times_inverse(n, body, i, sum, a);
+  for (int k = 0; k < n * n; ++k)
+    store_lanes(body->bearing[k] + i, fma_lanes(-soft, state->g[k], a[k]));
+  for (int r = 0; r < n; ++r)
+    for (int c = finite ? 0 : r; c < n; ++c)
+      store_lanes(body->gradient[n * r + c] + i,
+                  finite ? state->g[n * r + c] : stiff * state->strain[n * r + c]);
+  store_lanes(body->soft + i, soft);
+  store_lanes(body->stiff + i, stiff);
 }
 
-SDR_INLINE void linear_lanes(const int n, const int split, const int task,
-                             const sdr_nonordinary_body *body, int64_t i, int count)
+/* psi+ and the control energy. */
+SDR_INLINE sdr_lanes driving_energy(const sdr_nonordinary_body *body, int64_t i, sdr_lanes plus,
+                                    const sdr_lanes_state *state)
 {
   const sdr_lanes one = all_lanes(1.0), zero = all_lanes(0.0);
-  sdr_lanes_state state;
-  sdr_lanes_stress law;
-  lanes_state(n, task != SDR_POINT_ELASTIC, body, i, count, &state);
-  lanes_stress(n, split, body, i, count, state.strain, &law);
+  const sdr_lanes volume = load_lanes(body->points->volume + i);
+  const sdr_lanes control = 0.5 * (load_lanes(body->shear + i) * state->square +
+                                   load_lanes(body->normal + i) * state->along);
+  return plus + where_above(volume, zero, control / where_above(volume, zero, volume, one), zero);
+}
+
+/* What a state becomes once its stress is known. */
+SDR_INLINE void finish_state(const int n, const int finite, const int task,
+                             const sdr_nonordinary_body *body, int64_t i,
+                             const sdr_lanes_state *state, sdr_lanes_stress *stress)
+{
+  const sdr_lanes one = all_lanes(1.0);
   sdr_lanes intact = one;
   if (task != SDR_POINT_ELASTIC) {
-    const sdr_lanes volume = load_lanes(body->points->volume + i, count);
-    const sdr_lanes control = 0.5 * (load_lanes(body->shear + i, count) * state.square +
-                                     load_lanes(body->normal + i, count) * state.along);
-    const sdr_lanes plus =
-        law.plus +
-        where_above(volume, zero, control / where_above(volume, zero, volume, one), zero);
+    const sdr_lanes plus = driving_energy(body, i, stress->plus, state);
     if (task == SDR_POINT_ENERGY) {
-      store_lanes(body->plus + i, count, plus);
-      store_lanes(body->minus + i, count, law.minus);
-      for (int k = 0; k < n * n; ++k) store_lanes(body->gradient[k] + i, count, state.strain[k]);
+      store_lanes(body->plus + i, plus);
+      store_lanes(body->minus + i, stress->minus);
+      for (int k = 0; k < n * n; ++k)
+        store_lanes(body->gradient[k] + i, finite ? state->g[k] : state->strain[k]);
       return;
     }
-    const sdr_lanes before = load_lanes(body->history + i, count);
+    const sdr_lanes before = load_lanes(body->history + i);
     const sdr_lanes grown = where_above(plus, before, plus, before);
-    const sdr_lanes left = one / (one + grown * load_lanes(body->softness + i, count));
-    if (body->commit) store_lanes(body->history + i, count, grown);
+    const sdr_lanes left = one / fma_lanes(grown, load_lanes(body->softness + i), one);
+    if (body->commit) store_lanes(body->history + i, grown);
     intact = left * left;
+    for (int k = 0; k < n * n; ++k)
+      stress->p_plus[k] = fma_lanes(intact, stress->p_plus[k], stress->p_minus[k]);
   }
-  for (int a = 0; a < n; ++a) {
-    for (int b = 0; b < n; ++b) law.shear[n * a + b] *= intact;
-    law.shear[(n + 1) * a] += intact * law.grown + law.shrunk;
-  }
-  lanes_bearing(n, body, i, count, &state, law.shear, intact);
+  store_bearing(n, finite, body, i, state, stress->p_plus, intact);
 }
 
-SDR_INLINE void points_of(const int n, const int elasticity, const int split, const int task,
-                          const sdr_nonordinary_body *body, int32_t first, int32_t end)
+SDR_INLINE void state_of(const int n, const int finite, const int task, sdr_lanes_gather gather_all,
+                         sdr_lanes_control control_all, sdr_lanes_law law,
+                         const sdr_lanes_points *at)
 {
-  if (elasticity == SDR_LINEAR && split != SDR_SPLIT_SPECTRAL) {
-    int32_t i = first;
-    for (; i + SDR_WIDTH <= end; i += SDR_WIDTH) linear_lanes(n, split, task, body, i, SDR_WIDTH);
-    if (i < end) linear_lanes(n, split, task, body, i, end - i);
-    return;
+  const int sums = task != SDR_POINT_ELASTIC;
+  sdr_lanes_sums of;
+  sdr_lanes_state state;
+  sdr_lanes_stress stress;
+  memset(&of, 0, sizeof of);
+  if (at->u) gather_all(at, &of);
+  lanes_times_inverse(n, at->body, at->i, of.m, state.g);
+  if (finite) {
+    if (at->u) control_all(at, state.g, &of);
+    memcpy(state.s, of.s, sizeof state.s);
+    state.square = of.square;
+    state.along = of.along;
+  } else {
+    linear_state(n, sums, at->body, at->i, &of, &state);
   }
-#pragma omp simd
-  for (int32_t i = first; i < end; ++i) point_at(n, elasticity, split, task, body, i);
-}
-
-SDR_INLINE void gradients_of_lanes(const int n, const sdr_nonordinary_body *body, int64_t i,
-                                   int count)
-{
-  const sdr_lanes zero = all_lanes(0.0);
-  sdr_lanes m[9], g[9];
-  load_all(n * n, body->gradient, i, count, m);
-  lanes_times_inverse(n, body, i, count, m, g);
-  for (int k = 0; k < n * n; ++k) {
-    store_lanes(body->gradient[k] + i, count, g[k]);
-    store_lanes(body->bearing[k] + i, count, zero);
-  }
-  store_lanes(body->square + i, count, zero);
-  store_lanes(body->along + i, count, zero);
-}
-
-/* G of M; the sums of pass A2 start at zero. */
-SDR_INLINE void gradients_of(const int n, const sdr_nonordinary_body *body, int32_t first,
-                             int32_t end)
-{
-  int32_t i = first;
-  for (; i + SDR_WIDTH <= end; i += SDR_WIDTH) gradients_of_lanes(n, body, i, SDR_WIDTH);
-  if (i < end) gradients_of_lanes(n, body, i, end - i);
+  law(at->body, at->i, state.g, &stress);
+  finish_state(n, finite, task, at->body, at->i, &state, &stress);
 }
 
 #endif
