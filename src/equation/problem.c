@@ -97,10 +97,6 @@ static void name_derivatives(sdr_problem *p)
     for (int b = 0; b < p->components; ++b) {
       const int two[2] = {a, b};
       p->dd[a][b] = derivative(p, two, 2);
-      for (int c = 0; c < p->components; ++c) {
-        const int three[3] = {a, b, c};
-        p->ddd[a][b][c] = derivative(p, three, 3);
-      }
     }
   }
 }

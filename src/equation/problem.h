@@ -53,7 +53,7 @@ struct sdr_problem {
   sdr_operator op;
   int components, fields;
   /* Derivatives by their letters, -1 where the order is too low. */
-  int d[3], dd[3][3], ddd[3][3][3];
+  int d[3], dd[3][3];
 };
 
 /* Points, supports, shape tensors and operators of the scene's equation. What is wrong with the
