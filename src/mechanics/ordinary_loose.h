@@ -1,5 +1,6 @@
 /* Loops over the loose pairs of ordinary bodies: the eight points of a chunk are the lanes, and
-   each adds to itself alone. */
+   each adds to itself alone. Columns without flags, where no stretch may set one, touch no flags.
+ */
 #ifndef SDR_MECHANICS_ORDINARY_LOOSE_H
 #define SDR_MECHANICS_ORDINARY_LOOSE_H
 
@@ -88,6 +89,61 @@ SDR_INLINE void sums_of_column(const int components, const int squares, const in
   }
 }
 
+/* 1 if a slot of the column has a flag. */
+SDR_INLINE int column_flagged(const sdr_ordinary *o, int64_t column)
+{
+  const sdr_flags *const flags = o->body.loose_flags + column;
+  sdr_flags all = 0;
+#pragma omp simd reduction(| : all)
+  for (int lane = 0; lane < SDR_LANES; ++lane) all |= flags[lane];
+  return all != 0;
+}
+
+/* A column without flags; returns 1 and adds nothing where a bond may break. `same`: all pairs have
+   one weight; that of padding does not matter, since it has no stretch. */
+SDR_INLINE int sums_of_clean(const int components, const int squares, const int use,
+                             const int linear, const int same, const sdr_ordinary *o,
+                             sdr_ordinary_chunk *chunk, int64_t column)
+{
+  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], most[SDR_LANES];
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const double shared = loose->shared_weight, weakest = o->weakest;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane;
+    const sdr_ordinary_slot pair =
+        slot_at(components, linear, loose, slot, chunk->point + lane, chunk->u);
+    const double w = same ? shared : loose->weight_ij[slot], p = w * pair.square;
+    sum[lane] = p * pair.s;
+    square[lane] = squares ? p * pair.s * pair.s : 0.0;
+    most[lane] = pair.s > 0.0 ? pair.s * pair.s : 0.0;
+  }
+  if (use) {
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (int lane = 0; lane < SDR_LANES; ++lane) any |= most[lane] > weakest;
+    if (any) return 1;
+  }
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    chunk->sum[lane] += sum[lane];
+    if (squares) chunk->square[lane] += square[lane];
+  }
+  return 0;
+}
+
+SDR_INLINE void sums_of_any(const int components, const int squares, const int use,
+                            const int flagged, const int linear, sdr_ordinary *o,
+                            sdr_ordinary_chunk *chunk, int64_t column)
+{
+  int left = o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column));
+  if (!left && o->body.bonds->loose.shared_weight != 0.0)
+    left = sums_of_clean(components, squares, use, linear, 1, o, chunk, column);
+  else if (!left)
+    left = sums_of_clean(components, squares, use, linear, 0, o, chunk, column);
+  if (left) sums_of_column(components, squares, use, flagged, linear, o, chunk, column);
+}
+
 SDR_INLINE void sums_of_loose(const int components, const int squares, const int use,
                               const int flagged, const int linear, sdr_ordinary *o, int64_t first,
                               int64_t end, double *const u[3])
@@ -96,7 +152,7 @@ SDR_INLINE void sums_of_loose(const int components, const int squares, const int
     const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
     sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
     for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-      sums_of_column(components, squares, use, flagged, linear, o, &chunk, column);
+      sums_of_any(components, squares, use, flagged, linear, o, &chunk, column);
     sdr_flags fresh = 0;
     for (int lane = 0; lane < SDR_LANES; ++lane) {
       o->sum[chunk.point + lane] += chunk.sum[lane];
@@ -132,6 +188,41 @@ SDR_INLINE void force_of_column(const int components, const int use, const int f
   }
 }
 
+/* A column without flags. Padding, which has no weight, is its own neighbour. */
+SDR_INLINE void force_of_clean(const int components, const int linear, const int same,
+                               const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
+{
+  const sdr_loose *loose = &o->body.bonds->loose;
+  const double shared = loose->shared_weight;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const int64_t slot = column + lane, i = chunk->point + lane;
+    const int32_t j = loose->j[slot];
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const double along =
+        same ? o->along[i] + o->along[j]
+             : loose->weight_ij[slot] * o->along[i] + loose->weight_ji[slot] * o->along[j];
+    const double across =
+        same ? o->across[i] + o->across[j]
+             : loose->weight_ij[slot] * o->across[i] + loose->weight_ji[slot] * o->across[j];
+    double phi = (along + across * pair.s) / pair.r;
+    if (same) phi = j == i ? 0.0 : phi * shared;
+    for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
+  }
+}
+
+SDR_INLINE void force_of_any(const int components, const int use, const int flagged,
+                             const int linear, const sdr_ordinary *o, sdr_ordinary_chunk *chunk,
+                             int64_t column)
+{
+  if (use || o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column)))
+    force_of_column(components, use, flagged, linear, o, chunk, column);
+  else if (o->body.bonds->loose.shared_weight != 0.0)
+    force_of_clean(components, linear, 1, o, chunk, column);
+  else
+    force_of_clean(components, linear, 0, o, chunk, column);
+}
+
 SDR_INLINE void force_of_loose(const int components, const int use, const int flagged,
                                const int linear, const sdr_ordinary *o, int64_t first, int64_t end,
                                double *const u[3], double *const f[3])
@@ -141,7 +232,7 @@ SDR_INLINE void force_of_loose(const int components, const int use, const int fl
     const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
     sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
     for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-      force_of_column(components, use, flagged, linear, o, &chunk, column);
+      force_of_any(components, use, flagged, linear, o, &chunk, column);
     for (int a = 0; a < components; ++a)
       for (int lane = 0; lane < SDR_LANES; ++lane)
         f[a][chunk.point + lane] += sign * chunk.force[a][lane];
