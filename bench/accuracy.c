@@ -56,7 +56,7 @@ static void add_figure(table *t, const sdr_rundata *data, const sdr_scene *scene
   ++t->figures;
   t->ranged += has_range;
   t->outside += is_outside;
-  printf("%-18s %-28s %-20s ", scene->name, scene->variant, name);
+  printf("%-24s %-28s %-20s ", scene->name, scene->variant, name);
   print_number(stdout, "%-11.4g", value, "none       ");
   print_range(low, high);
   print_number(stdout, " %-9.4g", paper, "          ");
@@ -132,7 +132,7 @@ static void try_one(table *t, const char *path, const char *variant, int is_name
     ++t->runs;
   }
   if (status != SDR_OK) {
-    printf("%-18s %-28s failed: %s\n", scene ? scene->name : path, variant, sdr_error_message());
+    printf("%-24s %-28s failed: %s\n", scene ? scene->name : path, variant, sdr_error_message());
     ++t->failed;
   }
   fflush(stdout);
@@ -191,7 +191,7 @@ static sdr_status make_table(table *t, int count, char **names)
   SDR_TRY(bench_directory("accuracy", t->directory));
   SDR_TRY(bench_csv(t->directory, "accuracy", &t->csv));
   fputs("problem,variant,figure,value,low,high,paper,verdict\n", t->csv);
-  printf("%-18s %-28s %-20s %-11s %-18s %-9s\n", "problem", "variant", "figure (SI)", "value",
+  printf("%-24s %-28s %-20s %-11s %-18s %-9s\n", "problem", "variant", "figure (SI)", "value",
          "accepted", "paper");
   sdr_status status = count > 0 ? SDR_OK : try_all(t);
   for (int k = 0; k < count && status == SDR_OK; ++k) status = try_problem(t, names[k], 1);

@@ -92,9 +92,9 @@ static void print_problem(const char *name, const char *folder, FILE *out)
   sdr_scene *scene = NULL;
   snprintf(path, sizeof path, "%s/%s/scene.yaml", folder, name);
   if (sdr_scene_load(path, NULL, 0, NULL, &scene) == SDR_OK)
-    fprintf(out, "%-20s %s\n", name, scene->title);
+    fprintf(out, "%-24s %s\n", name, scene->title);
   else
-    fprintf(out, "%-20s cannot be read: %s\n", name, sdr_error_message());
+    fprintf(out, "%-24s cannot be read: %s\n", name, sdr_error_message());
   sdr_scene_destroy(&scene);
 }
 
