@@ -94,12 +94,14 @@ static void problems_are_listed_one_a_line(void **state)
   (void)state;
   said s;
   succeed(&s, "sunder problems");
-  assert_non_null(strstr(s.out, "thick_cylinder           Thick cylinder under internal pressure\n"));
+  assert_non_null(
+      strstr(s.out, "thick_cylinder           Thick cylinder under internal pressure\n"));
   succeed(&s, "mkdir -p mine/bar mine/empty mine/wrong && "
               "cp '" SUNDER_SOURCE_DIR "/tests/scenes/good/bar.yaml' mine/bar/scene.yaml && "
               "echo 'title: [' > mine/wrong/scene.yaml && mkdir -p elsewhere && cd elsewhere && "
               "SUNDER_PROBLEMS=../mine sunder problems");
-  assert_non_null(strstr(s.out, "bar                  bar\nwrong                cannot be read: "));
+  assert_non_null(
+      strstr(s.out, "bar                      bar\nwrong                    cannot be read: "));
 }
 
 /* Numbers from the issue: 196,556 points; bonds and step are this lattice's own. */
