@@ -104,7 +104,7 @@ static void problems_are_listed_one_a_line(void **state)
       strstr(s.out, "bar                      bar\nwrong                    cannot be read: "));
 }
 
-/* Numbers from the issue: 196,556 points; bonds and step are this lattice's own. */
+/* From the paper: 196,556 points; bonds and step are this lattice's own. */
 static void check_tells_what_would_run_and_runs_nothing(void **state)
 {
   (void)state;
