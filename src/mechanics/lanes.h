@@ -101,13 +101,28 @@ SDR_INLINE sdr_lanes subtract_some(unsigned mask, sdr_lanes a, sdr_lanes b)
 #endif
 }
 
-/* a b + c in some lanes, c in the others. */
-SDR_INLINE sdr_lanes fma_some(unsigned mask, sdr_lanes a, sdr_lanes b, sdr_lanes c)
+/* a + b in some lanes, a in the others. */
+SDR_INLINE sdr_lanes add_some(unsigned mask, sdr_lanes a, sdr_lanes b)
 {
 #if defined(__AVX512F__)
-  return (sdr_lanes)_mm512_mask3_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c, (__mmask8)mask);
+  return (sdr_lanes)_mm512_mask_add_pd((__m512d)a, (__mmask8)mask, (__m512d)a, (__m512d)b);
 #else
-  return fma_lanes(only_lanes(mask, a), b, c);
+  return a + only_lanes(mask, b);
+#endif
+}
+
+/* Some lanes of p; the others are not touched. */
+SDR_INLINE void store_some(double *p, unsigned mask, sdr_lanes v)
+{
+#if defined(__AVX512F__)
+  _mm512_mask_storeu_pd(p, (__mmask8)mask, (__m512d)v);
+#else
+  if (mask == SDR_ALL_LANES) {
+    store_lanes(p, v);
+    return;
+  }
+  for (int l = 0; l < SDR_WIDTH; ++l)
+    if (mask >> l & 1u) p[l] = v[l];
 #endif
 }
 

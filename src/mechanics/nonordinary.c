@@ -32,38 +32,54 @@ static block_range blocks_of(const sdr_points *points, int s)
   return range;
 }
 
-/* Each point sums for itself, so stripes need no order. */
 static void states_of_stripe(void *context, int s)
 {
   const sdr_nonordinary_call *call = context;
   const block_range range = blocks_of(call->body.points, s);
   const int rests = call->skip && sdr_state_rests(&call->model->state, s, 1, 1 + range.beyond);
-  call->states(&call->body, range.first, range.end, rests ? NULL : call->u);
+  call->states(&call->body, range.first, range.end, rests ? NULL : call->u, call->f);
 }
 
-void sdr_nonordinary_gather(sdr_nonordinary_call *call)
-{
-  sdr_parallel_for(0, call->body.points->stripe_count, 1, states_of_stripe, call);
-}
-
-static void force_of_stripe(void *context, int s)
+static void zero_stripe(void *context, int s)
 {
   const sdr_nonordinary_call *call = context;
-  const int n = call->body.points->components;
   const block_range range = blocks_of(call->body.points, s);
-  if (!call->skip || !sdr_state_rests(&call->model->state, s, 2, 2 + range.beyond)) {
-    call->model->kernels->force[n - 1][!call->linear](&call->body, range.first, range.end, call->u,
-                                                      call->f);
-    return;
-  }
-  for (int a = 0; a < n; ++a)
+  for (int a = 0; a < call->body.points->components; ++a)
     memset(call->f[a] + SDR_LANES * range.first, 0,
            (size_t)(range.end - range.first) * SDR_LANES * sizeof(double));
 }
 
-void sdr_nonordinary_spread(sdr_nonordinary_call *call)
+static void loose_of_stripe(void *context, int s)
 {
-  sdr_parallel_for(0, call->body.points->stripe_count, 1, force_of_stripe, call);
+  const sdr_nonordinary_call *call = context;
+  const block_range range = blocks_of(call->body.points, s);
+  const int n = call->body.points->components;
+  if (call->skip && sdr_state_rests(&call->model->state, s, 2, 2 + range.beyond)) return;
+  call->model->kernels->force[n - 1][!call->linear](&call->body, range.first, range.end, call->u,
+                                                    call->f);
+}
+
+static void all_states(sdr_nonordinary_call *call)
+{
+  sdr_parallel_for(0, call->body.points->stripe_count, 1, states_of_stripe, call);
+}
+
+/* Runs of a stripe's blocks reach one stripe down and, from its last block, one further than that
+   block: stripes at work at the same time lie so far apart that none adds where another does. */
+static void all_forces(sdr_nonordinary_call *call)
+{
+  const sdr_points *points = call->body.points;
+  const int stripes = points->stripe_count;
+  int apart = 3;
+  for (int s = 0; s < stripes; ++s) {
+    const int needed = 3 + blocks_of(points, s).beyond;
+    if (needed > apart) apart = needed;
+  }
+  sdr_parallel_for(0, stripes, 1, zero_stripe, call);
+  for (int colour = 0; colour < apart; ++colour)
+    sdr_parallel_for(colour, stripes, apart, states_of_stripe, call);
+  if (call->body.bonds->loose.chunk_count > 0)
+    sdr_parallel_for(0, stripes, 1, loose_of_stripe, call);
 }
 
 /* ---- state ----------------------------------------------------------------------------------- */
@@ -124,8 +140,7 @@ static void compute_force(sdr_nonordinary_model *model, int commit, double *cons
   sdr_nonordinary_call call = call_of(model, task, u);
   call.body.commit = commit;
   call.f = f;
-  sdr_nonordinary_gather(&call);
-  sdr_nonordinary_spread(&call);
+  all_forces(&call);
 }
 
 static void force(sdr_model *model, double *const u[3], double *const f[3])
@@ -148,7 +163,7 @@ static void force_commit(sdr_model *model, double *const u[3], double *const v[3
 static void split(sdr_state_body *state, double *const u[3])
 {
   sdr_nonordinary_call call = call_of((sdr_nonordinary_model *)state, SDR_POINT_ENERGY, u);
-  sdr_nonordinary_gather(&call);
+  all_states(&call);
 }
 
 /* The tangent of the undeformed body is that of small strains. */
@@ -163,8 +178,7 @@ static void reference_times(sdr_model *model, double *const v[3], double *const 
   call.body.elasticity = SDR_LINEAR;
   call.body.split = SDR_SPLIT_WHOLE;
   call.states = own->kernels->state[n - 1][0][SDR_POINT_ELASTIC];
-  sdr_nonordinary_gather(&call);
-  sdr_nonordinary_spread(&call);
+  all_forces(&call);
   for (int a = 0; a < n; ++a)
     for (int32_t i = 0; i < model->points->count; ++i) out[a][i] = -out[a][i];
 }

@@ -8,15 +8,14 @@
 
 #include <stdint.h>
 
-/* A class of bonds as seen from one of its ends; xi leads to the other end. W of the end and of the
-   other one, which weigh the same but for rounding: ratio = own/other. Products of xi in the order
-   of sdr_upper. */
+/* A class of bonds as seen from one of its ends, whose W it has; xi leads to the other end.
+   Products of xi in the order of sdr_upper. */
 typedef struct {
   double xi[3], by_square; /* 1/xi^2 */
-  double own, other, ratio;
-  double own_xi[3], own_normal[6];     /* W xi, W xi (x) xi/xi^2 */
-  double twice[6];                     /* xi (x) xi; doubled off the diagonal */
-  double other_xi[3], other_normal[3]; /* W xi, W xi/xi^2 */
+  double own, own_xi[3];   /* W, W xi */
+  double along_xi[3];      /* W xi/xi^2 */
+  double own_normal[6];    /* W xi (x) xi/xi^2 */
+  double twice[6];         /* xi (x) xi; doubled off the diagonal */
 } sdr_direction;
 
 /* Bonds of one class from points of a block to points `offset` further on: lanes of the points that
@@ -60,7 +59,8 @@ typedef struct {
   const uint8_t *run_flagged;
   int loose_flagged;
 
-  /* What bears on bonds, n x n: T = W (A xi + soft eta + ...), of the state pass. */
+  /* Of the state pass; stored for loose pairs only, but gradient of energies always.
+     What bears on bonds, n x n: T = W (A xi + soft eta + ...). */
   double *bearing[9];
   double *gradient[9];    /* finite: G = F - I; linear: stiff sym G, without stiff after energies */
   double *soft, *stiff;   /* control times (1-d)^2 */
@@ -68,11 +68,13 @@ typedef struct {
   double *square, *along; /* sum W |z|^2 and W (z.n)^2; of points whose energy is booked */
 } sdr_nonordinary_body;
 
-/* Blocks of eight points [first, end). u NULL: all of them and what they see rest. */
+/* Blocks of eight points [first, end): their states, and the forces of their families on runs added
+   to f (NULL: no forces). u NULL: all of them and what they see rest. */
 typedef void (*sdr_nonordinary_states)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
-                                       double *const u[3]);
-typedef void (*sdr_nonordinary_forces)(const sdr_nonordinary_body *body, int64_t first, int64_t end,
                                        double *const u[3], double *const f[3]);
+/* Forces of loose pairs on the points of blocks [first, end), added to f. */
+typedef sdr_nonordinary_states sdr_nonordinary_forces;
+
 /* Runs or chunks [first, end): 1 in found[r] where a half is stretched beyond its point's limit, s0
    (2 + s0) in (l^2 - xi^2)/xi^2, and neither lost nor protected. */
 typedef void (*sdr_nonordinary_find)(const sdr_nonordinary_body *body, int64_t first, int64_t end,

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "mechanics/nonordinary_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- directions ------------------------------------------------------------------------------ */
@@ -11,13 +12,10 @@ static sdr_direction direction_of(const sdr_bond_class *class, int n, int side)
   sdr_direction d = {.by_square = class->inverse_square};
   int k = 0;
   d.own = side ? class->weight_ji : class->weight_ij;
-  d.other = side ? class->weight_ij : class->weight_ji;
-  d.ratio = d.other > 0.0 ? d.own / d.other : 1.0;
   for (int a = 0; a < n; ++a) {
     d.xi[a] = side ? -class->xi[a] : class->xi[a];
     d.own_xi[a] = d.own * d.xi[a];
-    d.other_xi[a] = d.other * d.xi[a];
-    d.other_normal[a] = d.other_xi[a] * d.by_square;
+    d.along_xi[a] = d.own_xi[a] * d.by_square;
   }
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n; ++b) {
@@ -59,6 +57,19 @@ static void add_runs(const sdr_bonds *bonds, const bundle_list *list)
     for (int side = 0; side < 2; ++side) add_side(list, &bonds->runs[r], (int32_t)r, side);
 }
 
+/* By the shift along rows, then in the order of runs: bundles that lead to the same row lie apart,
+   so that a force is stored before it is read again. */
+static int by_shift(const void *left, const void *right, void *context)
+{
+  const sdr_nonordinary_body *body = context;
+  const sdr_bundle *a = left, *b = right;
+  const int axis = body->points->row_axis;
+  const double x = body->directions[a->direction].xi[axis];
+  const double y = body->directions[b->direction].xi[axis];
+  if (x != y) return x < y ? -1 : 1;
+  return a->run != b->run ? (a->run < b->run ? -1 : 1) : a->direction - b->direction;
+}
+
 /* Blocks with the same bundles as the one before take that one's; returns how many are left. */
 static int64_t share(sdr_block_bundles *blocks, int64_t count, sdr_bundle *bundles)
 {
@@ -93,6 +104,9 @@ static sdr_status make_bundles(sdr_nonordinary_body *body, int64_t count)
   list.bundles = sdr_alloc((size_t)total + 1, sizeof *list.bundles);
   if (!list.bundles) return SDR_RUN_FAILED;
   add_runs(bonds, &list);
+  for (int64_t b = 0; b < count; ++b)
+    qsort_r(list.bundles + body->blocks[b].first, (size_t)body->blocks[b].count,
+            sizeof *list.bundles, by_shift, body);
   const int64_t used = share(body->blocks, count, list.bundles);
   body->bundles = sdr_alloc((size_t)used + 1, sizeof *body->bundles);
   if (body->bundles) memcpy(body->bundles, list.bundles, (size_t)used * sizeof *list.bundles);

@@ -46,11 +46,6 @@ typedef struct {
   double *const *u, *const *f;
 } sdr_nonordinary_call;
 
-/* Passes A and A2, and what becomes of their sums. */
-void sdr_nonordinary_gather(sdr_nonordinary_call *call);
-/* Pass B: call->f. */
-void sdr_nonordinary_spread(sdr_nonordinary_call *call);
-
 /* The blocks of the body, from its runs. */
 sdr_status sdr_nonordinary_bundles(sdr_nonordinary_model *model);
 

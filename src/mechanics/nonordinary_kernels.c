@@ -41,11 +41,19 @@
   SDR_ONE_LAW(n, elasticity, SDR_SPLIT_WHOLE)                                                      \
   SDR_ONE_LAW(n, elasticity, SDR_SPLIT_DILATATION)                                                 \
   SDR_ONE_LAW(n, elasticity, SDR_SPLIT_SPECTRAL)
+#define SDR_SPREAD(n, finite)                                                                      \
+  SDR_PART spread_##n##finite(const sdr_lanes_points *at, const sdr_bearing *bearing,              \
+                              double *const f[3])                                                  \
+  {                                                                                                \
+    spread(n, finite, at, bearing, f);                                                             \
+  }
 #define SDR_PARTS(n)                                                                               \
   SDR_GATHER(n, 0, 0)                                                                              \
   SDR_GATHER(n, 0, 1)                                                                              \
   SDR_GATHER(n, 1, 0)                                                                              \
   SDR_GATHER_SAME(n)                                                                               \
+  SDR_SPREAD(n, 0)                                                                                 \
+  SDR_SPREAD(n, 1)                                                                                 \
   SDR_CONTROL(n, 0)                                                                                \
   SDR_CONTROL(n, 1)                                                                                \
   SDR_SPLITS_OF(n, SDR_LINEAR)                                                                     \
@@ -81,12 +89,13 @@ static const sdr_lanes_law laws[3][3][3] = {SDR_TABLE_OF_LAWS(1), SDR_TABLE_OF_L
 
 #define SDR_STATE(n, finite, sums, task)                                                           \
   static void state_##n##finite##_##task(const sdr_nonordinary_body *body, int64_t first,          \
-                                         int64_t end, double *const u[3])                          \
+                                         int64_t end, double *const u[3], double *const f[3])      \
   {                                                                                                \
     const sdr_lanes_law law = laws[n - 1][body->elasticity][body->split];                          \
     for (int64_t i = SDR_LANES * first; i < SDR_LANES * end; i += SDR_WIDTH) {                     \
       const sdr_lanes_points at = {body, u, i, (int)(i % SDR_LANES)};                              \
-      state_of(n, finite, task, gather_##n##finite##sums, control_##n##sums, law, &at);            \
+      state_of(n, finite, task, gather_##n##finite##sums, control_##n##sums, spread_##n##finite,   \
+               law, f, &at);                                                                       \
     }                                                                                              \
   }
 #define SDR_FORCE(n, finite)                                                                       \

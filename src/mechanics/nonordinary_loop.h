@@ -1,10 +1,11 @@
 /* The passes over pairs, written once; `n` (components), `finite` strain, `sums` are literals where
    they are inlined (nonordinary_kernels.c).
 
-   Points are lanes (lanes.h), and each sums over all its bonds, its own and those of its dual
-   family: a bond is looked at from both ends. That costs less than looking once and adding to both,
-   since sums stay in registers, and what a point computes is nobody else's. Runs come as bundles,
-   whose constants are those of their class; loose pairs in columns with constants a lane.
+   Points are lanes (lanes.h). What a point gathers over its family stays in registers until its
+   force states are known, and those of runs are handed out at once, to itself and to the family:
+   nothing is stored between the passes. Runs come as bundles, whose constants are those of their
+   class; loose pairs in columns with constants a lane. Each loose pair is looked at from both ends,
+   when all states are known.
 
    Pass A gathers the moments of displacement differences eta; pass A2 (finite strain) what the
    control of the normal part needs, whose direction F xi is known only then; pass B sums forces. */
@@ -36,15 +37,14 @@ SDR_INLINE void load_all(const int count, double *const from[9], int64_t i, sdr_
 
 /* ---- bundles --------------------------------------------------------------------------------- */
 
-/* Lanes of a bundle whose bond, seen from the point or from the other end, is not lost. */
-SDR_INLINE unsigned lanes_left(const sdr_lanes_points *at, const sdr_bundle *bundle, unsigned lanes,
-                               int other)
+/* Lanes of a bundle whose half, of the point's own family, is not lost. */
+SDR_INLINE unsigned lanes_left(const sdr_lanes_points *at, const sdr_bundle *bundle, unsigned lanes)
 {
   const sdr_nonordinary_body *body = at->body;
   if (!body->run_flagged || !body->run_flagged[bundle->run]) return lanes;
   const sdr_bond_run *run = &body->bonds->runs[bundle->run];
   const int side = bundle->direction & 1;
-  const sdr_flags lost = side == other ? SDR_LOST_I : SDR_LOST_J;
+  const sdr_flags lost = side ? SDR_LOST_J : SDR_LOST_I;
   const int64_t slot = run->slot + at->i - (side ? run->j0 : run->i0);
   unsigned left = lanes;
   for (int l = 0; l < SDR_WIDTH; ++l)
@@ -127,7 +127,7 @@ SDR_INLINE void gather_bundle(const int n, const int finite, const int sums,
                               const sdr_lanes_points *at, const sdr_lanes *own, const sdr_bundle *b,
                               const sdr_direction *d, unsigned lanes, sdr_lanes_sums *to)
 {
-  const unsigned left = lanes_left(at, b, lanes, 0);
+  const unsigned left = lanes_left(at, b, lanes);
   sdr_lanes eta[3], xi[3], weighted[3], normal[5];
   for (int a = 0; a < n; ++a) {
     eta[a] = subtract_some(left, load_some(at->u[a] + at->i + b->offset, left), own[a]);
@@ -214,7 +214,7 @@ SDR_INLINE void control_bundle(const int n, const int sums, const sdr_lanes_poin
                                const sdr_lanes *g, const sdr_bundle *b, const sdr_direction *d,
                                unsigned lanes, sdr_lanes_sums *to)
 {
-  const unsigned left = lanes_left(at, b, lanes, 0);
+  const unsigned left = lanes_left(at, b, lanes);
   sdr_lanes eta[3], xi[3];
   for (int a = 0; a < n; ++a) {
     const double *const u = at->u[a] + at->i;
@@ -266,22 +266,24 @@ SDR_INLINE int gradient_entries(const int n, const int finite, int entry[9])
   return count;
 }
 
-/* force += A xi + soft eta + (linear) (stiff eta.xi - stiff G:xi (x) xi) normal. */
+/* force += A xi + soft eta + (linear) (stiff eta.xi - stiff G:xi (x) xi) xi/xi^2. */
 SDR_INLINE void add_linear_force(const int n, const int finite, const sdr_bearing_sum *sum,
-                                 const sdr_lanes *xi, const sdr_lanes *eta,
-                                 const sdr_lanes *weighted, const sdr_lanes *normal,
-                                 const sdr_lanes *twice, sdr_lanes soft, sdr_lanes *force)
+                                 const sdr_loose_lanes *p, sdr_lanes *force)
 {
   for (int a = 0; a < n; ++a) {
-    force[a] = fma_lanes(soft, eta[a], force[a]);
-    for (int b = 0; b < n; ++b) force[a] = fma_lanes(sum->a[n * a + b], weighted[b], force[a]);
+    force[a] = fma_lanes(sum->soft, p->eta[a], force[a]);
+    for (int b = 0; b < n; ++b) force[a] = fma_lanes(sum->a[n * a + b], p->xi[b], force[a]);
   }
   if (finite) return;
-  sdr_lanes along = eta[0] * xi[0], strain = sum->g[0] * twice[0];
-  for (int a = 1; a < n; ++a) along = fma_lanes(eta[a], xi[a], along);
-  for (int k = 1; k < n * (n + 1) / 2; ++k) strain = fma_lanes(sum->g[k], twice[k], strain);
-  const sdr_lanes c = fma_lanes(sum->stiff, along, -strain);
-  for (int a = 0; a < n; ++a) force[a] = fma_lanes(c, normal[a], force[a]);
+  sdr_lanes along = all_lanes(0.0), strain = along;
+  int k = 0;
+  for (int a = 0; a < n; ++a) {
+    along = fma_lanes(p->eta[a], p->xi[a], along);
+    for (int b = a; b < n; ++b)
+      strain = fma_lanes(sum->g[k++], (a == b ? 1.0 : 2.0) * p->xi[a] * p->xi[b], strain);
+  }
+  const sdr_lanes c = p->by_square * fma_lanes(sum->stiff, along, -strain);
+  for (int a = 0; a < n; ++a) force[a] = fma_lanes(c, p->xi[a], force[a]);
 }
 
 /* force += the normal control of both ends; ci, cj: W stiff. */
@@ -298,39 +300,56 @@ SDR_INLINE void add_normal_force(const int n, const sdr_lanes *gi, const sdr_lan
   for (int a = 0; a < n; ++a) force[a] = fma_lanes(si, i.f[a], fma_lanes(sj, j.f[a], force[a]));
 }
 
-SDR_INLINE void force_of_bundle(const int n, const int finite, const sdr_lanes_points *at,
-                                const sdr_bearing *own, const sdr_bundle *b, const sdr_direction *d,
-                                unsigned lanes, sdr_lanes *force)
+/* The force states of a bundle's bonds: added to `force`, taken from f where they lead to. */
+SDR_INLINE void spread_bundle(const int n, const int finite, const sdr_lanes_points *at,
+                              const sdr_bearing *own, const sdr_bundle *b, const sdr_direction *d,
+                              unsigned lanes, sdr_lanes *force, double *const f[3])
+{
+  const unsigned left = lanes_left(at, b, lanes);
+  const int64_t other = at->i + b->offset;
+  const sdr_lanes soft = all_lanes(d->own) * own->soft;
+  sdr_lanes eta[3], xi[3], t[3];
+  for (int a = 0; a < n; ++a) {
+    eta[a] = load_some(at->u[a] + other, left) - load_lanes(at->u[a] + at->i);
+    xi[a] = all_lanes(d->xi[a]);
+  }
+  for (int a = 0; a < n; ++a) {
+    t[a] = soft * eta[a];
+    for (int c = 0; c < n; ++c) t[a] = fma_lanes(own->a[n * a + c], all_lanes(d->own_xi[c]), t[a]);
+  }
+  if (finite) {
+    sdr_residual r;
+    residual_of(n, own->g, xi, eta, &r);
+    const sdr_lanes c = all_lanes(d->own) * own->stiff * (r.along / r.square);
+    for (int a = 0; a < n; ++a) t[a] = fma_lanes(c, r.f[a], t[a]);
+  } else {
+    sdr_lanes along = eta[0] * xi[0], strain = all_lanes(0.0);
+    int k = 0;
+    for (int a = 1; a < n; ++a) along = fma_lanes(eta[a], xi[a], along);
+    for (int a = 0; a < n; ++a)
+      for (int c = a; c < n; ++c)
+        strain = fma_lanes(own->g[n * a + c], all_lanes(d->twice[k++]), strain);
+    const sdr_lanes c = fma_lanes(own->stiff, along, -strain);
+    for (int a = 0; a < n; ++a) t[a] = fma_lanes(c, all_lanes(d->along_xi[a]), t[a]);
+  }
+  for (int a = 0; a < n; ++a) {
+    double *const to = f[a] + other;
+    force[a] = add_some(left, force[a], t[a]);
+    store_some(to, left, load_some(to, left) - t[a]);
+  }
+}
+
+/* Forces of all bonds on runs of the points' own families, on both ends. */
+SDR_INLINE void spread(const int n, const int finite, const sdr_lanes_points *at,
+                       const sdr_bearing *bearing, double *const f[3])
 {
   const sdr_nonordinary_body *const body = at->body;
-  const unsigned i = lanes_left(at, b, lanes, 0), j = lanes_left(at, b, lanes, 1);
-  const int64_t other = at->i + b->offset;
-  const sdr_lanes ratio = all_lanes(d->ratio), w = all_lanes(d->other);
-  sdr_lanes eta[3], xi[3], weighted[3], normal[3], twice[6], g[9];
-  sdr_bearing_sum sum;
-  int entry[9];
-  const int entries = gradient_entries(n, finite, entry);
-  for (int a = 0; a < n; ++a) {
-    eta[a] = load_some(at->u[a] + other, lanes) - load_lanes(at->u[a] + at->i);
-    xi[a] = all_lanes(d->xi[a]);
-    weighted[a] = all_lanes(d->other_xi[a]);
-    normal[a] = all_lanes(d->other_normal[a]);
-  }
-  for (int k = 0; k < n * (n + 1) / 2; ++k) twice[k] = all_lanes(d->twice[k]);
-  for (int k = 0; k < n * n; ++k)
-    sum.a[k] = fma_some(i, own->a[k], ratio, load_some(body->bearing[k] + other, j));
-  for (int k = 0; k < entries; ++k) {
-    g[k] = load_some(body->gradient[entry[k]] + other, j);
-    if (!finite) sum.g[k] = fma_some(i, own->g[entry[k]], ratio, g[k]);
-  }
-  const sdr_lanes soft = load_some(body->soft + other, j),
-                  stiff = load_some(body->stiff + other, j);
-  sum.soft = fma_some(i, own->soft, ratio, soft);
-  sum.stiff = fma_some(i, own->stiff, ratio, stiff);
-  add_linear_force(n, finite, &sum, xi, eta, weighted, normal, twice, w * sum.soft, force);
-  if (finite)
-    add_normal_force(n, own->g, g, xi, eta, only_lanes(i, all_lanes(d->own) * own->stiff),
-                     w * stiff, force);
+  const sdr_bearing own = *bearing;
+  sdr_lanes force[3] = {all_lanes(0.0), all_lanes(0.0), all_lanes(0.0)};
+#define SDR_DO(b, d, lanes) spread_bundle(n, finite, at, &own, b, d, lanes, force, f);
+  SDR_ALL_BUNDLES(SDR_DO)
+#undef SDR_DO
+  for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, load_lanes(f[a] + at->i) + force[a]);
 }
 
 SDR_INLINE void force_of_column(const int n, const int finite, const sdr_lanes_points *at,
@@ -338,9 +357,9 @@ SDR_INLINE void force_of_column(const int n, const int finite, const sdr_lanes_p
 {
   const sdr_nonordinary_body *const body = at->body;
   sdr_loose_lanes p;
-  sdr_lanes normal[3], twice[6], g[9];
+  sdr_lanes g[9];
   sdr_bearing_sum sum;
-  int entry[9], k = 0;
+  int entry[9];
   const int entries = gradient_entries(n, finite, entry);
   loose_lanes(n, body, at->i, slot, at->u, &p);
   for (int e = 0; e < n * n; ++e)
@@ -352,14 +371,11 @@ SDR_INLINE void force_of_column(const int n, const int finite, const sdr_lanes_p
   const sdr_lanes ci = p.wi * own->stiff, cj = p.wj * gather_lanes(body->stiff, p.j);
   sum.soft = fma_lanes(p.wi, own->soft, p.wj * gather_lanes(body->soft, p.j));
   sum.stiff = ci + cj;
-  for (int a = 0; a < n; ++a) {
-    normal[a] = p.xi[a] * p.by_square;
-    for (int b = a; b < n; ++b) twice[k++] = (a == b ? 1.0 : 2.0) * p.xi[a] * p.xi[b];
-  }
-  add_linear_force(n, finite, &sum, p.xi, p.eta, p.xi, normal, twice, sum.soft, force);
+  add_linear_force(n, finite, &sum, &p, force);
   if (finite) add_normal_force(n, own->g, g, p.xi, p.eta, ci, cj, force);
 }
 
+/* Forces of loose pairs, by what both ends bear. */
 SDR_INLINE void force_of_lanes(const int n, const int finite, const sdr_lanes_points *at,
                                double *const f[3])
 {
@@ -370,13 +386,10 @@ SDR_INLINE void force_of_lanes(const int n, const int finite, const sdr_lanes_po
   load_all(n * n, body->gradient, at->i, own.g);
   own.soft = load_lanes(body->soft + at->i);
   own.stiff = load_lanes(body->stiff + at->i);
-#define SDR_DO(b, d, lanes) force_of_bundle(n, finite, at, &own, b, d, lanes, force);
-  SDR_ALL_BUNDLES(SDR_DO)
-#undef SDR_DO
 #define SDR_DO(slot) force_of_column(n, finite, at, &own, slot, force);
   SDR_ALL_COLUMNS(SDR_DO)
 #undef SDR_DO
-  for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, force[a]);
+  for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, load_lanes(f[a] + at->i) + force[a]);
 }
 
 #endif

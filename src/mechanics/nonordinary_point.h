@@ -16,6 +16,9 @@ typedef struct {
 typedef void (*sdr_lanes_gather)(const sdr_lanes_points *at, sdr_lanes_sums *out);
 typedef void (*sdr_lanes_control)(const sdr_lanes_points *at, const sdr_lanes *g,
                                   sdr_lanes_sums *out);
+/* Forces of points. */
+typedef void (*sdr_lanes_spread)(const sdr_lanes_points *at, const sdr_bearing *bearing,
+                                 double *const f[3]);
 /* Stress of points i and after at G, n x n. */
 typedef void (*sdr_lanes_law)(const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
                               sdr_lanes_stress *out);
@@ -176,24 +179,32 @@ SDR_INLINE void linear_state(const int n, const int sums, const sdr_nonordinary_
 }
 
 /* A = (V P + stiff S) K^-1, less soft G, which turns soft z into soft eta. */
-SDR_INLINE void store_bearing(const int n, const int finite, const sdr_nonordinary_body *body,
-                              int64_t i, const sdr_lanes_state *state, const sdr_lanes *stress,
-                              sdr_lanes intact)
+SDR_INLINE void bearing_of(const int n, const int finite, const sdr_nonordinary_body *body,
+                           int64_t i, const sdr_lanes_state *state, const sdr_lanes *stress,
+                           sdr_lanes intact, sdr_bearing *out)
 {
-  const sdr_lanes soft = intact * load_lanes(body->shear + i);
-  const sdr_lanes stiff = intact * load_lanes(body->normal + i);
   const sdr_lanes volume = load_lanes(body->points->volume + i);
-  sdr_lanes sum[9], a[9];
-  for (int k = 0; k < n * n; ++k) sum[k] = fma_lanes(volume, stress[k], stiff * state->s[k]);
-  lanes_times_inverse(n, body, i, sum, a);
-  for (int k = 0; k < n * n; ++k)
-    store_lanes(body->bearing[k] + i, fma_lanes(-soft, state->g[k], a[k]));
-  for (int r = 0; r < n; ++r)
-    for (int c = finite ? 0 : r; c < n; ++c)
-      store_lanes(body->gradient[n * r + c] + i,
-                  finite ? state->g[n * r + c] : stiff * state->strain[n * r + c]);
-  store_lanes(body->soft + i, soft);
-  store_lanes(body->stiff + i, stiff);
+  sdr_lanes sum[9];
+  out->soft = intact * load_lanes(body->shear + i);
+  out->stiff = intact * load_lanes(body->normal + i);
+  for (int k = 0; k < n * n; ++k) sum[k] = fma_lanes(volume, stress[k], out->stiff * state->s[k]);
+  lanes_times_inverse(n, body, i, sum, out->a);
+  for (int k = 0; k < n * n; ++k) {
+    out->a[k] = fma_lanes(-out->soft, state->g[k], out->a[k]);
+    out->g[k] = finite ? state->g[k] : out->stiff * state->strain[k];
+  }
+}
+
+/* For loose pairs. */
+SDR_INLINE void store_bearing(const int n, const sdr_nonordinary_body *body, int64_t i,
+                              const sdr_bearing *bearing)
+{
+  for (int k = 0; k < n * n; ++k) {
+    store_lanes(body->bearing[k] + i, bearing->a[k]);
+    store_lanes(body->gradient[k] + i, bearing->g[k]);
+  }
+  store_lanes(body->soft + i, bearing->soft);
+  store_lanes(body->stiff + i, bearing->stiff);
 }
 
 /* psi+ and the control energy. */
@@ -210,7 +221,8 @@ SDR_INLINE sdr_lanes driving_energy(const sdr_nonordinary_body *body, int64_t i,
 /* What a state becomes once its stress is known. */
 SDR_INLINE void finish_state(const int n, const int finite, const int task,
                              const sdr_nonordinary_body *body, int64_t i,
-                             const sdr_lanes_state *state, sdr_lanes_stress *stress)
+                             const sdr_lanes_state *state, sdr_lanes_stress *stress,
+                             sdr_bearing *out)
 {
   const sdr_lanes one = all_lanes(1.0);
   sdr_lanes intact = one;
@@ -231,17 +243,18 @@ SDR_INLINE void finish_state(const int n, const int finite, const int task,
     for (int k = 0; k < n * n; ++k)
       stress->p_plus[k] = fma_lanes(intact, stress->p_plus[k], stress->p_minus[k]);
   }
-  store_bearing(n, finite, body, i, state, stress->p_plus, intact);
+  bearing_of(n, finite, body, i, state, stress->p_plus, intact, out);
 }
 
 SDR_INLINE void state_of(const int n, const int finite, const int task, sdr_lanes_gather gather_all,
-                         sdr_lanes_control control_all, sdr_lanes_law law,
-                         const sdr_lanes_points *at)
+                         sdr_lanes_control control_all, sdr_lanes_spread spread_all,
+                         sdr_lanes_law law, double *const f[3], const sdr_lanes_points *at)
 {
   const int sums = task != SDR_POINT_ELASTIC;
   sdr_lanes_sums of;
   sdr_lanes_state state;
   sdr_lanes_stress stress;
+  sdr_bearing bearing;
   memset(&of, 0, sizeof of);
   if (at->u) gather_all(at, &of);
   lanes_times_inverse(n, at->body, at->i, of.m, state.g);
@@ -254,7 +267,10 @@ SDR_INLINE void state_of(const int n, const int finite, const int task, sdr_lane
     linear_state(n, sums, at->body, at->i, &of, &state);
   }
   law(at->body, at->i, state.g, &stress);
-  finish_state(n, finite, task, at->body, at->i, &state, &stress);
+  finish_state(n, finite, task, at->body, at->i, &state, &stress, &bearing);
+  if (task == SDR_POINT_ENERGY) return;
+  if (at->body->bonds->loose.chunk_count > 0) store_bearing(n, at->body, at->i, &bearing);
+  if (at->u && f) spread_all(at, &bearing, f);
 }
 
 #endif
