@@ -21,7 +21,7 @@
   static void loose_sums_##n##squares##use##linear(sdr_ordinary *o, int64_t first, int64_t end,    \
                                                    double *const u[3])                             \
   {                                                                                                \
-    if (o->body.loose_flags && use && o->one_threshold)                                            \
+    if (o->body.loose_flags && (use) && o->one_threshold)                                          \
       sums_of_loose(n, squares, use, SDR_LOOSE_SHARED, linear, o, first, end, u);                  \
     else if (o->body.loose_flags)                                                                  \
       sums_of_loose(n, squares, use, SDR_LOOSE_FLAGGED, linear, o, first, end, u);                 \
