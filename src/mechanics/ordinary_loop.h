@@ -167,20 +167,22 @@ SDR_INLINE void coefficients_of_points(const int law, const int commit, sdr_ordi
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-/* Forces of a block onto f, or, where i and j points overlap, into F. `use`: 1 as present stretches
-   leave the bonds. */
-SDR_INLINE void force_of_block(const int components, const int flagged, const int use,
-                               const int overlap, const int linear, const sdr_ordinary *o,
-                               const sdr_state_pairs *at, double *const u[3], double *const f[3],
-                               double F[3][SDR_STATE_PAIRS])
+/* Which bonds a block has: all; those that the flags leave; and that present stretches leave. */
+enum { SDR_BLOCK_WHOLE, SDR_BLOCK_FLAGGED, SDR_BLOCK_GROWN };
+
+/* Forces of a block onto f, or, where i and j points overlap, `into` F. */
+SDR_INLINE void force_of_block(const int components, const int left, const int linear,
+                               const sdr_ordinary *o, const sdr_state_pairs *at, double *const u[3],
+                               double *const f[3], const int into, double F[3][SDR_STATE_PAIRS])
 {
+  const int flagged = left != SDR_BLOCK_WHOLE, use = left == SDR_BLOCK_GROWN;
   const sdr_ordinary_class *class = &o->classes[at->class_index];
   const double *ui[3] = {NULL}, *uj[3] = {NULL};
-  double *fi[3] = {NULL}, *fj[3] = {NULL};
+  double *to[3] = {NULL}, *fj[3] = {NULL}; /* of the i points, of the j points */
   for (int a = 0; a < components; ++a) {
     ui[a] = u[a] + at->i;
     uj[a] = u[a] + at->j;
-    fi[a] = f[a] + at->i;
+    to[a] = into ? F[a] : f[a] + at->i;
     fj[a] = f[a] + at->j;
   }
   const double *const ai = o->along + at->i, *const aj = o->along + at->j;
@@ -210,22 +212,12 @@ SDR_INLINE void force_of_block(const int components, const int flagged, const in
     const double phi = linear ? -(hi + hj) : (hi + hj) / now.r;
     const double fx = phi * (linear ? xx : xx + ex), fy = phi * (linear ? xy : xy + ey);
     const double fz = phi * (linear ? xz : xz + ez);
-    if (overlap) {
-      F[0][k] = fx;
-      if (components > 1) F[1][k] = fy;
-      if (components > 2) F[2][k] = fz;
-      continue;
-    }
-    fi[0][k] += fx;
-    fj[0][k] -= fx;
-    if (components > 1) {
-      fi[1][k] += fy;
-      fj[1][k] -= fy;
-    }
-    if (components > 2) {
-      fi[2][k] += fz;
-      fj[2][k] -= fz;
-    }
+    to[0][k] = into ? fx : to[0][k] + fx;
+    if (!into) fj[0][k] -= fx;
+    if (components > 1) to[1][k] = into ? fy : to[1][k] + fy;
+    if (components > 1 && !into) fj[1][k] -= fy;
+    if (components > 2) to[2][k] = into ? fz : to[2][k] + fz;
+    if (components > 2 && !into) fj[2][k] -= fz;
   }
 }
 
@@ -254,11 +246,12 @@ SDR_INLINE void force_of_runs(const int components, const int use, const int lin
     for (int32_t start = 0; start < run->length; start += SDR_STATE_PAIRS) {
       const sdr_state_pairs at = sdr_state_pairs_of(run, start);
       if (flagged)
-        force_of_block(components, 1, use, 1, linear, o, &at, u, f, F);
+        force_of_block(components, use ? SDR_BLOCK_GROWN : SDR_BLOCK_FLAGGED, linear, o, &at, u, f,
+                       1, F);
       else if (overlap)
-        force_of_block(components, 0, 0, 1, linear, o, &at, u, f, F);
+        force_of_block(components, SDR_BLOCK_WHOLE, linear, o, &at, u, f, 1, F);
       else
-        force_of_block(components, 0, 0, 0, linear, o, &at, u, f, F);
+        force_of_block(components, SDR_BLOCK_WHOLE, linear, o, &at, u, f, 0, F);
       if (overlap) add_forces(components, &at, f, F);
     }
   }
