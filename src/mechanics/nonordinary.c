@@ -113,7 +113,7 @@ static sdr_nonordinary_body body_now(const sdr_nonordinary_model *model)
   body.loose_flags = model->state.loose_flags;
   body.run_flagged = model->state.run_flagged;
   body.loose_flagged = model->state.loose_flags != NULL;
-  body.elasticity = model->elasticity;
+  body.elasticity = (int)model->elasticity;
   body.split = model->split;
   body.commit = 0;
   return body;

@@ -30,6 +30,35 @@ typedef struct {
   int lane;
 } sdr_lanes_points;
 
+/* DO(a, b) for a matrix, DO(k) for the values of Q or a vector, spelt out: sums with known indices
+   stay in registers. */
+#define SDR_NINE(DO)                                                                               \
+  DO(0, 0) DO(0, 1) DO(0, 2) DO(1, 0) DO(1, 1) DO(1, 2) DO(2, 0) DO(2, 1) DO(2, 2)
+#define SDR_FIVE(DO) DO(0) DO(1) DO(2) DO(3) DO(4)
+#define SDR_THREE(DO) DO(0) DO(1) DO(2)
+
+SDR_INLINE void copy_matrix(const int n, const sdr_lanes *from, sdr_lanes *to)
+{
+#define SDR_DO(a, b)                                                                               \
+  if (a < n && b < n) to[n * a + b] = from[n * a + b];
+  SDR_NINE(SDR_DO)
+#undef SDR_DO
+}
+
+SDR_INLINE void clear_matrix(const int n, sdr_lanes *to)
+{
+#define SDR_DO(a, b)                                                                               \
+  if (a < n && b < n) to[n * a + b] = all_lanes(0.0);
+  SDR_NINE(SDR_DO)
+#undef SDR_DO
+}
+
+/* Of the upper half of Q so many values are kept. */
+SDR_INLINE int kept_of_normal(const int n)
+{
+  return n == 1 ? 0 : n == 2 ? 2 : 5;
+}
+
 SDR_INLINE void load_all(const int count, double *const from[9], int64_t i, sdr_lanes *to)
 {
   for (int k = 0; k < count; ++k) to[k] = load_lanes(from[k] + i);
@@ -99,28 +128,30 @@ SDR_INLINE void loose_lanes(const int n, const sdr_nonordinary_body *body, int64
 
 /* ---- pass A ---------------------------------------------------------------------------------- */
 
-/* Of the upper half of Q so many values are kept. */
-SDR_INLINE int kept_of_normal(const int n)
-{
-  return n == 1 ? 0 : n == 2 ? 2 : 5;
-}
+/* Of the pairs in the lanes: eta, xi, W xi, W xi (x) xi/xi^2 (kept values), W, W/xi^2. */
+typedef struct {
+  sdr_lanes eta[3], xi[3], weighted[3], normal[6], w, w_along;
+} sdr_lanes_pairs;
 
-/* Add to the sums: `weighted` W xi, `normal` W xi (x) xi/xi^2, w_square W, w_along W/xi^2. */
-SDR_INLINE void add_moments(const int n, const int finite, const int sums, const sdr_lanes *eta,
-                            const sdr_lanes *xi, const sdr_lanes *weighted, const sdr_lanes *normal,
-                            sdr_lanes w_square, sdr_lanes w_along, sdr_lanes_sums *to)
+SDR_INLINE void add_moments(const int n, const int finite, const int sums, const sdr_lanes_pairs *p,
+                            sdr_lanes_sums *to)
 {
-  for (int a = 0; a < n; ++a)
-    for (int b = 0; b < n; ++b) to->m[n * a + b] = fma_lanes(weighted[b], eta[a], to->m[n * a + b]);
+#define SDR_DO(a, b)                                                                               \
+  if (a < n && b < n) to->m[n * a + b] = fma_lanes(p->weighted[b], p->eta[a], to->m[n * a + b]);
+  SDR_NINE(SDR_DO)
+#undef SDR_DO
   if (finite) return;
-  sdr_lanes along = eta[0] * xi[0];
-  for (int a = 1; a < n; ++a) along = fma_lanes(eta[a], xi[a], along);
-  for (int k = 0; k < kept_of_normal(n); ++k) to->q[k] = fma_lanes(along, normal[k], to->q[k]);
+  sdr_lanes along = p->eta[0] * p->xi[0];
+  for (int a = 1; a < n; ++a) along = fma_lanes(p->eta[a], p->xi[a], along);
+#define SDR_DO(k)                                                                                  \
+  if (k < kept_of_normal(n)) to->q[k] = fma_lanes(along, p->normal[k], to->q[k]);
+  SDR_FIVE(SDR_DO)
+#undef SDR_DO
   if (!sums) return;
-  sdr_lanes square = eta[0] * eta[0];
-  for (int a = 1; a < n; ++a) square = fma_lanes(eta[a], eta[a], square);
-  to->square = fma_lanes(w_square, square, to->square);
-  to->along = fma_lanes(w_along, along * along, to->along);
+  sdr_lanes square = p->eta[0] * p->eta[0];
+  for (int a = 1; a < n; ++a) square = fma_lanes(p->eta[a], p->eta[a], square);
+  to->square = fma_lanes(p->w, square, to->square);
+  to->along = fma_lanes(p->w_along, along * along, to->along);
 }
 
 SDR_INLINE void gather_bundle(const int n, const int finite, const int sums,
@@ -128,28 +159,35 @@ SDR_INLINE void gather_bundle(const int n, const int finite, const int sums,
                               const sdr_direction *d, unsigned lanes, sdr_lanes_sums *to)
 {
   const unsigned left = lanes_left(at, b, lanes);
-  sdr_lanes eta[3], xi[3], weighted[3], normal[5];
+  sdr_lanes_pairs p;
   for (int a = 0; a < n; ++a) {
-    eta[a] = subtract_some(left, load_some(at->u[a] + at->i + b->offset, left), own[a]);
-    xi[a] = all_lanes(d->xi[a]);
-    weighted[a] = all_lanes(d->own_xi[a]);
+    p.eta[a] = subtract_some(left, load_some(at->u[a] + at->i + b->offset, left), own[a]);
+    p.xi[a] = all_lanes(d->xi[a]);
+    p.weighted[a] = all_lanes(d->own_xi[a]);
   }
-  for (int k = 0; k < kept_of_normal(n); ++k) normal[k] = all_lanes(d->own_normal[k]);
-  add_moments(n, finite, sums, eta, xi, weighted, normal, all_lanes(d->own),
-              all_lanes(d->own * d->by_square), to);
+  for (int k = 0; k < kept_of_normal(n); ++k) p.normal[k] = all_lanes(d->own_normal[k]);
+  p.w = all_lanes(d->own);
+  p.w_along = all_lanes(d->own * d->by_square);
+  add_moments(n, finite, sums, &p, to);
 }
 
 SDR_INLINE void gather_column(const int n, const int finite, const int sums,
                               const sdr_lanes_points *at, int64_t slot, sdr_lanes_sums *to)
 {
-  sdr_loose_lanes p;
-  sdr_lanes weighted[3], normal[6];
+  sdr_loose_lanes loose;
+  sdr_lanes_pairs p;
   int k = 0;
-  loose_lanes(n, at->body, at->i, slot, at->u, &p);
-  for (int a = 0; a < n; ++a) weighted[a] = p.wi * p.xi[a];
+  loose_lanes(n, at->body, at->i, slot, at->u, &loose);
+  p.w = loose.wi;
+  p.w_along = loose.wi * loose.by_square;
+  for (int a = 0; a < n; ++a) {
+    p.eta[a] = loose.eta[a];
+    p.xi[a] = loose.xi[a];
+    p.weighted[a] = loose.wi * loose.xi[a];
+  }
   for (int a = 0; a < n; ++a)
-    for (int b = a; b < n; ++b) normal[k++] = weighted[a] * p.by_square * p.xi[b];
-  add_moments(n, finite, sums, p.eta, p.xi, weighted, normal, p.wi, p.wi * p.by_square, to);
+    for (int b = a; b < n; ++b) p.normal[k++] = p.w_along * loose.xi[a] * loose.xi[b];
+  add_moments(n, finite, sums, &p, to);
 }
 
 SDR_INLINE void gather(const int n, const int finite, const int sums, const sdr_lanes_points *at,
@@ -158,7 +196,11 @@ SDR_INLINE void gather(const int n, const int finite, const int sums, const sdr_
   const sdr_nonordinary_body *body = at->body;
   sdr_lanes own[3];
   sdr_lanes_sums to;
-  memset(&to, 0, sizeof to);
+  clear_matrix(n, to.m);
+#define SDR_DO(k) to.q[k] = all_lanes(0.0);
+  SDR_FIVE(SDR_DO)
+#undef SDR_DO
+  to.square = to.along = all_lanes(0.0);
   for (int a = 0; a < n; ++a) own[a] = load_lanes(at->u[a] + at->i);
 #define SDR_DO(b, d, lanes) gather_bundle(n, finite, sums, at, own, b, d, lanes, &to);
   SDR_ALL_BUNDLES(SDR_DO)
@@ -166,7 +208,13 @@ SDR_INLINE void gather(const int n, const int finite, const int sums, const sdr_
 #define SDR_DO(slot) gather_column(n, finite, sums, at, slot, &to);
   SDR_ALL_COLUMNS(SDR_DO)
 #undef SDR_DO
-  *out = to;
+  copy_matrix(n, to.m, out->m);
+#define SDR_DO(k)                                                                                  \
+  if (k < kept_of_normal(n)) out->q[k] = to.q[k];
+  SDR_FIVE(SDR_DO)
+#undef SDR_DO
+  out->square = to.square;
+  out->along = to.along;
 }
 
 /* ---- pass A2 --------------------------------------------------------------------------------- */
@@ -199,12 +247,15 @@ SDR_INLINE void add_control(const int n, const int sums, const sdr_lanes *g, con
   residual_of(n, g, xi, eta, &r);
   const sdr_lanes share = r.along / r.square, part = w * share;
   const sdr_lanes whole = all_lanes(1.0) + share;
-  sdr_lanes z = all_lanes(0.0);
+  sdr_lanes z = all_lanes(0.0), h[3];
   for (int a = 0; a < n; ++a) {
-    const sdr_lanes h = part * fma_lanes(-whole, r.f[a], r.z[a]);
-    for (int b = 0; b < n; ++b) to->s[n * a + b] = fma_lanes(h, xi[b], to->s[n * a + b]);
+    h[a] = part * fma_lanes(-whole, r.f[a], r.z[a]);
     z = fma_lanes(r.z[a], r.z[a], z);
   }
+#define SDR_DO(a, b)                                                                               \
+  if (a < n && b < n) to->s[n * a + b] = fma_lanes(h[a], xi[b], to->s[n * a + b]);
+  SDR_NINE(SDR_DO)
+#undef SDR_DO
   if (!sums) return;
   to->square = fma_lanes(w, z, to->square);
   to->along = fma_lanes(part, r.along, to->along);
@@ -230,7 +281,8 @@ SDR_INLINE void control(const int n, const int sums, const sdr_lanes_points *at,
 {
   const sdr_nonordinary_body *body = at->body;
   sdr_lanes_sums to;
-  memset(&to, 0, sizeof to);
+  clear_matrix(n, to.s);
+  to.square = to.along = all_lanes(0.0);
 #define SDR_DO(b, d, lanes) control_bundle(n, sums, at, g, b, d, lanes, &to);
   SDR_ALL_BUNDLES(SDR_DO)
 #undef SDR_DO
@@ -242,7 +294,9 @@ SDR_INLINE void control(const int n, const int sums, const sdr_lanes_points *at,
   }
   SDR_ALL_COLUMNS(SDR_DO)
 #undef SDR_DO
-  *out = to;
+  copy_matrix(n, to.s, out->s);
+  out->square = to.square;
+  out->along = to.along;
 }
 
 /* ---- pass B ---------------------------------------------------------------------------------- */
@@ -332,9 +386,12 @@ SDR_INLINE void spread_bundle(const int n, const int finite, const sdr_lanes_poi
     const sdr_lanes c = fma_lanes(own->stiff, along, -strain);
     for (int a = 0; a < n; ++a) t[a] = fma_lanes(c, all_lanes(d->along_xi[a]), t[a]);
   }
+#define SDR_DO(a)                                                                                  \
+  if (a < n) force[a] = add_some(left, force[a], t[a]);
+  SDR_THREE(SDR_DO)
+#undef SDR_DO
   for (int a = 0; a < n; ++a) {
     double *const to = f[a] + other;
-    force[a] = add_some(left, force[a], t[a]);
     store_some(to, left, load_some(to, left) - t[a]);
   }
 }
@@ -344,7 +401,11 @@ SDR_INLINE void spread(const int n, const int finite, const sdr_lanes_points *at
                        const sdr_bearing *bearing, double *const f[3])
 {
   const sdr_nonordinary_body *const body = at->body;
-  const sdr_bearing own = *bearing;
+  sdr_bearing own;
+  copy_matrix(n, bearing->a, own.a);
+  copy_matrix(n, bearing->g, own.g);
+  own.soft = bearing->soft;
+  own.stiff = bearing->stiff;
   sdr_lanes force[3] = {all_lanes(0.0), all_lanes(0.0), all_lanes(0.0)};
 #define SDR_DO(b, d, lanes) spread_bundle(n, finite, at, &own, b, d, lanes, force, f);
   SDR_ALL_BUNDLES(SDR_DO)

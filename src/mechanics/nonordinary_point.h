@@ -255,12 +255,14 @@ SDR_INLINE void state_of(const int n, const int finite, const int task, sdr_lane
   sdr_lanes_state state;
   sdr_lanes_stress stress;
   sdr_bearing bearing;
-  memset(&of, 0, sizeof of);
-  if (at->u) gather_all(at, &of);
+  if (at->u)
+    gather_all(at, &of);
+  else
+    memset(&of, 0, sizeof of);
   lanes_times_inverse(n, at->body, at->i, of.m, state.g);
   if (finite) {
     if (at->u) control_all(at, state.g, &of);
-    memcpy(state.s, of.s, sizeof state.s);
+    copy_matrix(n, of.s, state.s);
     state.square = of.square;
     state.along = of.along;
   } else {
