@@ -107,7 +107,7 @@ static sdr_status measure_all(int quick, FILE *csv)
   for (how.dimension = 2; how.dimension <= 3; ++how.dimension)
     for (how.loose = 0; how.loose < 2; ++how.loose)
       for (int law = 0; law < LAWS; ++law) {
-        row r;
+        row r = {0};
         how.law = (sdr_law)law;
         SDR_TRY(measure_case(how, &r));
         write_row(csv, &how, &r);

@@ -14,7 +14,8 @@
    kept, so that the volume stays, even where a cell on the surface reaches out of the shape.
    Neighbouring cells may differ by more than one level. Jitter moves each coordinate of a point by
    up to jitter times its own spacing, drawn in the order of generation (gsl_rng_mt19937); points
-   may so leave the shape a little, unless those at its surface stay (jitter_inside). Refined or jittered points are no lattice (cell stays NULL).
+   may so leave the shape a little, unless those at its surface stay (jitter_inside). Refined or
+   jittered points are no lattice (cell stays NULL).
 
    The points of fictitious layers follow those of the body (layer_points.h).
 
