@@ -166,6 +166,7 @@ SDR_INLINE void linear_state(const int n, const int sums, const sdr_nonordinary_
     quartic[k] = load_lanes(body->quartic[k] + i);
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n; ++b) {
+      /* cppcheck-suppress uninitvar ; the loops above set all n x n of them */
       sdr_lanes sum = -q[n * a + b];
       for (int c = 0; c < n; ++c)
         for (int d = 0; d < n; ++d)

@@ -222,10 +222,9 @@ static void spectral_tangent_of(int n, sdr_elasticity elasticity, const sdr_modu
 /* out = v^T a v, or v a v^T. */
 static void turn(int n, const double *v, int back, const double *a, double *out)
 {
-  double half[9];
+  double half[9] = {0.0};
   for (int r = 0; r < n; ++r)
     for (int c = 0; c < n; ++c) {
-      half[n * r + c] = 0.0;
       for (int k = 0; k < n; ++k)
         half[n * r + c] += (back ? v[n * r + k] : v[n * k + r]) * a[n * k + c];
     }
