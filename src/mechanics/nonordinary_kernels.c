@@ -91,7 +91,7 @@ static const sdr_lanes_law laws[3][3][3] = {SDR_TABLE_OF_LAWS(1), SDR_TABLE_OF_L
   static void state_##n##finite##_##task(const sdr_nonordinary_body *body, int64_t first,          \
                                          int64_t end, double *const u[3], double *const f[3])      \
   {                                                                                                \
-    const sdr_lanes_law law = laws[n - 1][body->elasticity][body->split];                          \
+    const sdr_lanes_law law = laws[(n)-1][body->elasticity][body->split];                          \
     for (int64_t i = SDR_LANES * first; i < SDR_LANES * end; i += SDR_WIDTH) {                     \
       const sdr_lanes_points at = {body, u, i, (int)(i % SDR_LANES)};                              \
       state_of(n, finite, task, gather_##n##finite##sums, control_##n##sums, spread_##n##finite,   \

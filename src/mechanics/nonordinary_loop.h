@@ -40,7 +40,7 @@ typedef struct {
 SDR_INLINE void copy_matrix(const int n, const sdr_lanes *from, sdr_lanes *to)
 {
 #define SDR_DO(a, b)                                                                               \
-  if (a < n && b < n) to[n * a + b] = from[n * a + b];
+  if ((a) < n && (b) < n) to[n * (a) + (b)] = from[n * (a) + (b)];
   SDR_NINE(SDR_DO)
 #undef SDR_DO
 }
@@ -48,7 +48,7 @@ SDR_INLINE void copy_matrix(const int n, const sdr_lanes *from, sdr_lanes *to)
 SDR_INLINE void clear_matrix(const int n, sdr_lanes *to)
 {
 #define SDR_DO(a, b)                                                                               \
-  if (a < n && b < n) to[n * a + b] = all_lanes(0.0);
+  if ((a) < n && (b) < n) to[n * (a) + (b)] = all_lanes(0.0);
   SDR_NINE(SDR_DO)
 #undef SDR_DO
 }
@@ -137,14 +137,15 @@ SDR_INLINE void add_moments(const int n, const int finite, const int sums, const
                             sdr_lanes_sums *to)
 {
 #define SDR_DO(a, b)                                                                               \
-  if (a < n && b < n) to->m[n * a + b] = fma_lanes(p->weighted[b], p->eta[a], to->m[n * a + b]);
+  if ((a) < n && (b) < n)                                                                          \
+    to->m[n * (a) + (b)] = fma_lanes(p->weighted[b], p->eta[a], to->m[n * (a) + (b)]);
   SDR_NINE(SDR_DO)
 #undef SDR_DO
   if (finite) return;
   sdr_lanes along = p->eta[0] * p->xi[0];
   for (int a = 1; a < n; ++a) along = fma_lanes(p->eta[a], p->xi[a], along);
 #define SDR_DO(k)                                                                                  \
-  if (k < kept_of_normal(n)) to->q[k] = fma_lanes(along, p->normal[k], to->q[k]);
+  if ((k) < kept_of_normal(n)) to->q[k] = fma_lanes(along, p->normal[k], to->q[k]);
   SDR_FIVE(SDR_DO)
 #undef SDR_DO
   if (!sums) return;
@@ -210,7 +211,7 @@ SDR_INLINE void gather(const int n, const int finite, const int sums, const sdr_
 #undef SDR_DO
   copy_matrix(n, to.m, out->m);
 #define SDR_DO(k)                                                                                  \
-  if (k < kept_of_normal(n)) out->q[k] = to.q[k];
+  if ((k) < kept_of_normal(n)) out->q[k] = to.q[k];
   SDR_FIVE(SDR_DO)
 #undef SDR_DO
   out->square = to.square;
@@ -253,7 +254,7 @@ SDR_INLINE void add_control(const int n, const int sums, const sdr_lanes *g, con
     z = fma_lanes(r.z[a], r.z[a], z);
   }
 #define SDR_DO(a, b)                                                                               \
-  if (a < n && b < n) to->s[n * a + b] = fma_lanes(h[a], xi[b], to->s[n * a + b]);
+  if ((a) < n && (b) < n) to->s[n * (a) + (b)] = fma_lanes(h[a], xi[b], to->s[n * (a) + (b)]);
   SDR_NINE(SDR_DO)
 #undef SDR_DO
   if (!sums) return;
@@ -387,7 +388,7 @@ SDR_INLINE void spread_bundle(const int n, const int finite, const sdr_lanes_poi
     for (int a = 0; a < n; ++a) t[a] = fma_lanes(c, all_lanes(d->along_xi[a]), t[a]);
   }
 #define SDR_DO(a)                                                                                  \
-  if (a < n) force[a] = add_some(left, force[a], t[a]);
+  if ((a) < n) force[a] = add_some(left, force[a], t[a]);
   SDR_THREE(SDR_DO)
 #undef SDR_DO
   for (int a = 0; a < n; ++a) {
