@@ -222,13 +222,14 @@ static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sd
   sdr_free(done);
 }
 
-/* Slots of a run start on a cache line and fill whole ones: kernels work in whole vectors. */
+/* Slots of a run start on a cache line, fill whole ones and end with at least 15 that are nobody's:
+   kernels work in whole vectors of up to 16 pairs, from any pair of the run on. */
 static void number_slots(sdr_bonds *bonds)
 {
   int64_t slot = 0;
   for (int64_t r = 0; r < bonds->run_count; ++r) {
     bonds->runs[r].slot = slot;
-    slot += (bonds->runs[r].length + 15) / 16 * 16;
+    slot += (bonds->runs[r].length + 30) / 16 * 16;
   }
   bonds->run_slots = slot;
 }

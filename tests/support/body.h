@@ -114,9 +114,10 @@ static inline sdr_model_traits body_traits(const sdr_model *model)
   return traits;
 }
 
-static inline body body_create(const body_how *how)
+/* Of the cells that `keep` keeps (NULL: all). */
+static inline body body_create_kept(const body_how *how, int (*keep)(const int32_t cell[3]))
 {
-  body b = {.how = *how, .points = body_points(how, NULL)};
+  body b = {.how = *how, .points = body_points(how, keep)};
   assert_int_equal(sdr_families_create(b.points, &how->weight, &b.families), SDR_OK);
   body_materials(&b);
   const sdr_bonds_how bonds_how = {.force_loose = how->force_loose,
@@ -135,6 +136,11 @@ static inline body body_create(const body_how *how)
                    SDR_OK);
   b.bonds = bonds;
   return b;
+}
+
+static inline body body_create(const body_how *how)
+{
+  return body_create_kept(how, NULL);
 }
 
 static inline void body_destroy(body *b)

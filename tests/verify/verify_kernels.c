@@ -1,5 +1,6 @@
 /* All kernels compute the same thing: runs and loose pairs, every instruction set and any number of
    threads, and what all pairs of points give by the plain equations. */
+#include "mechanics/bond_internal.h"
 #include "support/reference.h"
 
 static const double tolerance = 1e-13; /* of the largest force */
@@ -199,6 +200,45 @@ static void every_instruction_set_gives_the_same(void **state)
   }
 }
 
+/* A ring: rows of many lengths and beginnings, longer than the blocks of kernels. */
+static int in_ring(const int32_t cell[3])
+{
+  const double r = hypot(cell[0] - 298, cell[1] - 298);
+  return r >= 162.0 && r <= 298.0;
+}
+
+typedef struct {
+  const sdr_bond_body *body;
+  double *const *u;
+} history_check;
+
+static void check_pair(void *context, const sdr_pair *pair)
+{
+  const history_check *check = context;
+  const double s = sdr_pair_stretch(pair, 2, check->u);
+  assert_near(check->body->stretch[pair->slot], s > 0.0 ? s : 0.0, 1e-7 * fabs(s) + 1e-18);
+}
+
+/* Kernels compute whole vectors: what lies beyond a run's end must not reach its neighbour's. */
+static void long_rows_keep_to_their_own_history(void **state)
+{
+  (void)state;
+  const body_how how = {
+      .dimension = SDR_PLANE_STRESS, .cells = {597, 597}, .law = SDR_LAW_VARIATIONAL};
+  body b = body_create_kept(&how, in_ring);
+  double *u[3], *f[3];
+  vector_create(b.points, u);
+  vector_create(b.points, f);
+  vector_noise(b.points, 1e-3 * body_spacing, 3, u);
+  b.model->ops->force_commit(b.model, u, u, 0.0, f);
+  history_check check = {&((const sdr_bond_model *)b.model)->body, u};
+  assert_int_equal(b.bonds->loose_pairs, 0);
+  sdr_bonds_visit(b.bonds, b.points, check_pair, &check);
+  vector_destroy(u);
+  vector_destroy(f);
+  body_destroy(&b);
+}
+
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
   (void)state;
@@ -242,6 +282,7 @@ int main(void)
       cmocka_unit_test(at_a_stretch_of_1e_9),
       cmocka_unit_test(at_large_stretches_and_rotations),
       cmocka_unit_test(every_instruction_set_gives_the_same),
+      cmocka_unit_test(long_rows_keep_to_their_own_history),
       cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
   };
   sdr_set_threads(1); /* small bodies: threads would only wait for each other */
