@@ -222,14 +222,16 @@ static void weigh_classes(const sdr_points *points, const sdr_bonds_how *how, sd
   sdr_free(done);
 }
 
-/* Slots of a run start on a cache line, fill whole ones and end with at least 15 that are nobody's:
-   kernels work in whole vectors of up to 16 pairs, from any pair of the run on. */
+/* Slots of a run start on a cache line and fill whole ones, since kernels work in whole vectors of
+   up to 16 pairs. Runs longer than 240 end with at least 15 slots that are nobody's: kernels cut
+   those into pieces, the second of which may begin at any pair. */
 static void number_slots(sdr_bonds *bonds)
 {
   int64_t slot = 0;
   for (int64_t r = 0; r < bonds->run_count; ++r) {
     bonds->runs[r].slot = slot;
-    slot += (bonds->runs[r].length + 30) / 16 * 16;
+    const int32_t length = bonds->runs[r].length;
+    slot += (length > 240 ? length + 30 : length + 15) / 16 * 16;
   }
   bonds->run_slots = slot;
 }
