@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "mechanics/bond_based.h"
 #include "mechanics/state_based.h"
+#include "time/integrator.h"
 
 #include <gsl/gsl_rng.h>
 #include <math.h>
@@ -87,6 +88,12 @@ typedef struct {
   double poisson[256], toughness[256];
 } parts;
 
+static int is_implicit(const sdr_scene *scene)
+{
+  const sdr_integrator *integrator = sdr_integrator_find(scene->time.integrator);
+  return integrator && !integrator->is_explicit;
+}
+
 static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **out)
 {
   const sdr_bond_based_how how = {.dimension = p->scene->dimension,
@@ -94,6 +101,7 @@ static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **
                                   .calibration = p->scene->calibration,
                                   .ell = p->scene->damage.ell,
                                   .mixed = p->scene->mixed,
+                                  .precise = is_implicit(p->scene),
                                   .young = p->young,
                                   .toughness = p->toughness};
   return sdr_bond_based_create(p->points, bonds, p->families, &how, out);
@@ -108,6 +116,7 @@ static sdr_state_based_how state_based_how(const parts *p)
                                .elasticity = scene->elasticity,
                                .split = scene->split,
                                .form = scene->form,
+                               .precise = is_implicit(scene),
                                .control_shear = scene->control_shear,
                                .control_normal = scene->control_normal,
                                .young = p->young,

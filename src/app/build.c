@@ -90,6 +90,7 @@ static sdr_status make_system(sdr_built *built)
   SDR_TRY(sdr_supports_create(scene, built->points, &built->supports));
   SDR_TRY(sdr_layers_create(scene, built->points, &built->layers));
   SDR_TRY(sdr_system_create(built->model, density, built->loads, built->supports, &built->system));
+  built->system->how = &scene->time;
   return sdr_system_attach(built->system, built->layers);
 }
 
@@ -146,11 +147,18 @@ static void choose_static(sdr_built *built)
   built->stable_step = (double)NAN;
   built->step = scene->time.end;
   built->steps = 1;
-  snprintf(built->system->solver, sizeof built->system->solver, "%s", scene->time.solver);
   if (!isnan(scene->time.step)) warn(built, "time.step does not matter to a static solution");
   if (scene->model == SDR_NONORDINARY && scene->elasticity != SDR_LINEAR)
     warn(built, "the static solution is linear: finite strain (material.elasticity) acts only "
                 "through its stiffness at rest");
+}
+
+/* The longest step of an integrator that chooses its own. */
+static void choose_longest(sdr_built *built)
+{
+  const sdr_time_scene *time = &built->scene->time;
+  built->step = isnan(time->step) ? time->end / 100.0 : fmin(time->step, time->end);
+  built->steps = 0;
 }
 
 static sdr_status choose_step(sdr_built *built)
@@ -161,6 +169,10 @@ static sdr_status choose_step(sdr_built *built)
   }
   const sdr_time_scene *time = &built->scene->time;
   SDR_TRY(sdr_stable_step(built->system, &built->stable_step));
+  if (built->integrator->chooses) {
+    choose_longest(built);
+    return SDR_OK;
+  }
   built->step = isnan(time->step) ? time->safety * built->stable_step : time->step;
   const double steps = ceil(time->end / built->step * (1.0 - 1e-12));
   if (!(steps < 1e15))
@@ -169,7 +181,7 @@ static sdr_status choose_step(sdr_built *built)
                     "a longer step or an earlier end",
                     sdr_origin_text(time->step_origin), time->end, built->step, steps);
   built->steps = (int64_t)steps;
-  if (built->step <= built->stable_step) return SDR_OK;
+  if (!built->integrator->is_explicit || built->step <= built->stable_step) return SDR_OK;
   if (!time->allow_unstable)
     return sdr_fail(SDR_BAD_INPUT,
                     "%s: the step %.4g us is above the stability limit %.4g us; give at most that, "
@@ -200,7 +212,7 @@ static void list_skipped(sdr_built *built)
   skip(built, all_runs, "index lists: bonds are runs of a lattice");
   skip(built, all_runs, "neighbourhood: bonds come from lattice rows");
   skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
-  skip(built, !built->integrator->is_static, "Jacobian: explicit integrator");
+  skip(built, built->integrator->is_explicit, "Jacobian: explicit integrator");
   skip(built, built->integrator->is_static, "steps in time: static solution");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
        "tests for cut bonds: no pre-crack, no protected zone");

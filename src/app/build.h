@@ -27,7 +27,7 @@ typedef struct {
   double onset;                         /* damage of a point that counts as onset */
   double stable_step;                   /* s */
   double step;                          /* s */
-  int64_t steps;                        /* to the end */
+  int64_t steps;                        /* to the end; 0: the integrator chooses */
   char warning[512];                    /* "" or what the user should know before the run */
   const char *skipped[SDR_SKIPPED_MAX]; /* what this scene does not need, so is not done */
   int skipped_count;

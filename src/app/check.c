@@ -47,7 +47,7 @@ static sdr_status print_static(const sdr_built *built, FILE *out)
   for (int32_t k = 0; k < count; ++k) held += !isnan(system->motion[k]);
   fprintf(out,
           "static solution     at t = %g s: %lld components, %lld of them prescribed; solver %s\n",
-          built->step, unknowns, held, system->solver);
+          built->step, unknowns, held, built->scene->time.solver);
   if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
   return SDR_OK;
 }

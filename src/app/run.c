@@ -100,10 +100,27 @@ static sdr_status begin(run *r, const sdr_run_options *options)
                               r->observer_count));
   r->steps_before = r->moment.step;
   r->built.step = r->moment.step_size;
-  return SDR_OK;
+  const sdr_integrator *integrator = r->built.integrator;
+  return integrator->restart ? integrator->restart(r->built.system, r->built.step) : SDR_OK;
 }
 
 /* ---- the loop -------------------------------------------------------------------------------- */
+
+static int is_over(const sdr_built *built)
+{
+  if (!built->integrator->chooses) return built->system->step >= built->steps;
+  return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
+}
+
+/* A run that goes on and one that is resumed here must do the same. */
+static sdr_status write_checkpoint(run *r)
+{
+  const sdr_built *built = &r->built;
+  SDR_TRY(sdr_checkpoint_write(r->directory, &r->moment, built->traits.isa, r->observers,
+                               r->observer_count));
+  return built->integrator->restart ? built->integrator->restart(built->system, built->step)
+                                    : SDR_OK;
+}
 
 static sdr_status observe(run *r)
 {
@@ -113,7 +130,7 @@ static sdr_status observe(run *r)
   int due[OBSERVERS] = {0}, wants = 0;
   moment->time = r->built.system->time;
   moment->step = r->built.system->step;
-  moment->last = moment->step >= moment->steps;
+  moment->last = is_over(&r->built);
   moment->balance = NULL;
   for (int k = 0; k < r->observer_count; ++k)
     due[k] =
@@ -125,9 +142,7 @@ static sdr_status observe(run *r)
   sdr_status status = SDR_OK;
   for (int k = 0; k < r->observer_count && status == SDR_OK; ++k)
     if (due[k]) status = r->observers[k]->ops->look(r->observers[k], moment);
-  if (status == SDR_OK && sdr_checkpoint_due(moment))
-    status = sdr_checkpoint_write(r->directory, moment, r->built.traits.isa, r->observers,
-                                  r->observer_count);
+  if (status == SDR_OK && sdr_checkpoint_due(moment)) status = write_checkpoint(r);
   moment->balance = NULL;
   r->output += wall() - from;
   return status;
@@ -136,7 +151,7 @@ static sdr_status observe(run *r)
 static sdr_status integrate(run *r, int resumed)
 {
   if (!resumed) SDR_TRY(observe(r));
-  while (r->built.system->step < r->built.steps) {
+  while (!is_over(&r->built)) {
     SDR_TRY(r->built.integrator->step(r->built.system, r->built.step));
     SDR_TRY(observe(r));
   }

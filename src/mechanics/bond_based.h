@@ -15,6 +15,7 @@ typedef struct {
   const double *young;     /* Pa, a point */
   const double *toughness; /* J/m^2, a material index */
   int mixed;               /* 1: explicit forces of runs in float arithmetic */
+  int precise;             /* 1: histories in double, for implicit integrators */
 } sdr_bond_based_how;
 
 /* A body over the points; it takes the bonds over (and destroys them, even if it fails). The

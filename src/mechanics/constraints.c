@@ -58,7 +58,7 @@ static void prescribe(const sdr_supports *supports, const double *values, sortin
 {
   const sdr_prescribed *list = sdr_supports_list(supports);
   for (int32_t k = 0; k < sdr_supports_count(supports); ++k) {
-    if (isnan(values[k]) || list[k].is_velocity) continue;
+    if (isnan(values[k])) continue;
     const int32_t unknown = list[k].point * s->points->components + list[k].component;
     s->kind[unknown] = PRESCRIBED;
     c->prescribed[unknown] = 1;

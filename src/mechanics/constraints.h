@@ -34,10 +34,10 @@ typedef struct {
   uint8_t *prescribed;    /* per unknown: 1 if it is prescribed */
 } sdr_constraints;
 
-/* From the values of all entries of the supports' list at one time (m; NAN: not active, so free;
-   entries that prescribe a velocity count as free too) and the slaved components (NULL: none). A
-   component that is both prescribed and slaved, or slaved twice, or slaved to a slave is
-   SDR_BAD_INPUT. Borrows nothing. */
+/* From the displacements of all entries of the supports' list at one time (m; NAN: not active, so
+   free; of an entry that prescribes a velocity what that has come to) and the slaved components
+   (NULL: none). A component that is both prescribed and slaved, or slaved twice, or slaved to a
+   slave is SDR_BAD_INPUT. Borrows nothing. */
 sdr_status sdr_constraints_create(const sdr_points *points, const sdr_supports *supports,
                                   const double *values, const sdr_slaves *slaves,
                                   sdr_constraints *out);

@@ -420,3 +420,11 @@ const double *sdr_loads_force(const sdr_loads *loads, int component)
 {
   return loads->force[component];
 }
+
+double sdr_loads_next_event(const sdr_loads *loads, double t)
+{
+  double next = (double)INFINITY;
+  for (int k = 0; k < loads->term_count; ++k)
+    next = fmin(next, sdr_schedule_next(&loads->terms[k].load->schedule, t));
+  return next;
+}

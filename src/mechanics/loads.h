@@ -25,6 +25,9 @@ void sdr_loads_destroy(sdr_loads **loads); /* NULL-safe */
    at every piece if they use both place and time (slow). Fails where one is not finite. */
 sdr_status sdr_loads_evaluate(sdr_loads *loads, double t);
 
+/* The first moment after t at which a load has a kink in time; INFINITY: none. */
+double sdr_loads_next_event(const sdr_loads *loads, double t);
+
 /* The loaded points, each once, ascending, and their force at the last evaluated time (at first
    0). Unused components are NULL. */
 int32_t sdr_loads_count(const sdr_loads *loads);

@@ -106,6 +106,20 @@ typedef struct {
   sdr_status (*visit_hessian)(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
                               void *context);
 
+  /* The same of the secant stiffness: positive semidefinite, damage as it is at u, without what
+     turning of the forces adds. It preconditions the tangent. NULL: the model has none. */
+  sdr_status (*visit_secant)(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                             void *context);
+
+  /* Mean force of a step from the committed state u0 to u1 (theory sec. 7): its work along u1 - u0
+     is exactly minus what the energy, dissipated included, grows by, and it balances linear and
+     angular momentum. Changes nothing in the model. NULL: the model has none. */
+  void (*mean_force)(sdr_model *model, double *const u0[3], double *const u1[3],
+                     double *const f[3]);
+  /* -d(mean_force)/d(u1) in parts; not symmetric. */
+  sdr_status (*visit_mean_tangent)(sdr_model *model, double *const u0[3], double *const u1[3],
+                                   sdr_hessian_visitor visit, void *context);
+
   /* Mark all pairs; *cut_bonds: how many directed bonds are cut now. Before the first step only. */
   sdr_status (*mark)(sdr_model *model, sdr_pair_mark mark, const void *context, int64_t *cut_bonds);
 

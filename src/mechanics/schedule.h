@@ -26,4 +26,15 @@ static inline int sdr_schedule_over(const sdr_schedule *schedule, double t)
   return t >= schedule->until - SDR_TIME_SLACK * fabs(t);
 }
 
+/* The first kink after t; INFINITY: none. Kinks nearer than 1e-9 of t have passed. */
+static inline double sdr_schedule_next(const sdr_schedule *schedule, double t)
+{
+  const double start = isfinite(schedule->from) ? schedule->from : 0.0;
+  const double kinks[3] = {schedule->from, schedule->until, start + schedule->ramp};
+  double next = (double)INFINITY;
+  for (int k = 0; k < 3; ++k)
+    if (kinks[k] > t + 1e-9 * fabs(t) && kinks[k] > 0.0) next = fmin(next, kinks[k]);
+  return next;
+}
+
 #endif

@@ -242,3 +242,11 @@ sdr_status sdr_supports_values(sdr_supports *supports, double t, double *values)
   }
   return SDR_OK;
 }
+
+double sdr_supports_next_event(const sdr_supports *supports, double t)
+{
+  double next = (double)INFINITY;
+  for (int k = 0; k < supports->scene->support_count; ++k)
+    next = fmin(next, sdr_schedule_next(&supports->scene->support[k].schedule, t));
+  return next;
+}

@@ -33,4 +33,7 @@ const sdr_prescribed *sdr_supports_list(const sdr_supports *supports);
    point (slow). Fails where one is not finite. The array holds sdr_supports_count values. */
 sdr_status sdr_supports_values(sdr_supports *supports, double t, double *values);
 
+/* The first moment after t at which a support begins, ends or has set in; INFINITY: none. */
+double sdr_supports_next_event(const sdr_supports *supports, double t);
+
 #endif

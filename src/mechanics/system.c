@@ -67,6 +67,7 @@ void sdr_system_destroy(sdr_system **system)
 {
   sdr_system *s = *system;
   if (!s) return;
+  if (s->work) s->end_work(s->work);
   for (int a = 0; a < 3; ++a) {
     sdr_free(s->u[a]);
     sdr_free(s->v[a]);

@@ -33,7 +33,9 @@ typedef struct {
   int64_t step;
   double velocity_offset; /* s; leapfrog: minus half a step */
 
-  char solver[16]; /* linear solver for those who need one (linalg/solver.h); "": auto */
+  const sdr_time_scene *how; /* what the scene asks of the integrator, borrowed; NULL: nothing */
+  void *work;                /* the integrator's own; NULL: none */
+  void (*end_work)(void *work);
   sdr_solve_record solve;
 
   sdr_model *model;

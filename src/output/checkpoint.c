@@ -242,7 +242,8 @@ static sdr_status read_block(sdr_hdf *file, const char *path, block *b)
 
 static sdr_status check_end(const char *path, const standing *then, const sdr_moment *moment)
 {
-  if (then->step <= moment->steps) return SDR_OK;
+  const double end = moment->end * (1.0 + 1e-12);
+  if (moment->steps > 0 ? then->step <= moment->steps : then->time <= end) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,
                   "%s is at t = %g s, past this run's end at t = %g s; give a later time.end", path,
                   then->time, moment->end);

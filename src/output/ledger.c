@@ -41,7 +41,7 @@ static int due(const sdr_observer *observer, const sdr_moment *moment, int *want
 {
   const ledger *l = (const ledger *)(const void *)observer;
   int64_t every = l->scene->output.history_every;
-  if (every <= 0) every = moment->steps / 200;
+  if (every <= 0) every = moment->steps / 200; /* 0 steps: as many as the integrator likes */
   if (every < 1) every = 1;
   const int is_due = moment->step % every == 0 || moment->last;
   if (is_due) *wants_balance = 1;

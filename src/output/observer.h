@@ -12,7 +12,7 @@ typedef struct {
   const sdr_scene *scene;
   const char *directory; /* of the run's output */
   double time, step_size, end;
-  int64_t step, steps; /* accepted so far; expected in all */
+  int64_t step, steps; /* accepted so far; expected in all, 0: the integrator chooses */
   int last;            /* 1 at the end of the run */
   const sdr_balance
       *balance; /* energies and momenta now; NULL unless some observer asked (wants) */

@@ -95,11 +95,17 @@ static void make_pieces(const progress *p, const sdr_moment *moment,
   for (int k = 0; k < PIECES; ++k) pieces[k][0] = '\0';
   snprintf(pieces[0], PIECE_SIZE, "%s of %s", sdr_prefixed(a, moment->time, "s"),
            sdr_prefixed(b, moment->end, "s"));
-  const double left = (double)(moment->steps - moment->step);
+  const double share = done_share(moment);
+  const double left = moment->steps > 0 ? (double)(moment->steps - moment->step)
+                      : share > 0.01    ? (double)moment->step * (1.0 / share - 1.0)
+                                        : -1.0;
   if (p->rate > 0.0 && !moment->last && left >= 0.0)
     text_left(pieces[1], PIECE_SIZE, left / p->rate);
-  snprintf(pieces[2], PIECE_SIZE, "step %lld/%lld", (long long)moment->step,
-           (long long)moment->steps);
+  if (moment->steps > 0)
+    snprintf(pieces[2], PIECE_SIZE, "step %lld/%lld", (long long)moment->step,
+             (long long)moment->steps);
+  else
+    snprintf(pieces[2], PIECE_SIZE, "step %lld", (long long)moment->step);
   if (p->rate > 0.0) snprintf(pieces[3], PIECE_SIZE, "%s", sdr_prefixed(a, p->rate, "steps/s"));
   if (!p->ledger) return;
   const sdr_books books = sdr_ledger_books(p->ledger);

@@ -92,4 +92,5 @@ const sdr_integrator sdr_leapfrog = {
     .name = "leapfrog",
     .doc = "explicit, second order, conserves momenta exactly; for waves and fracture",
     .start = start,
-    .step = step};
+    .step = step,
+    .is_explicit = 1};

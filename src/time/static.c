@@ -193,7 +193,8 @@ static sdr_status factor_and_solve(problem *p, sdr_solver *solver)
 
 static sdr_status solve(problem *p)
 {
-  const char *name = p->system->solver[0] ? p->system->solver : "auto";
+  const sdr_time_scene *how = p->system->how;
+  const char *name = how && how->solver[0] ? how->solver : "auto";
   sdr_solver *solver = NULL;
   SDR_TRY(sdr_solver_create(name, kind_of(p, name), &solver));
   const sdr_status status = factor_and_solve(p, solver);
