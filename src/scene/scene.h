@@ -107,7 +107,13 @@ typedef struct {
   sdr_origin origin;
 } sdr_material;
 
-typedef enum { SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH } sdr_law;
+typedef enum {
+  SDR_LAW_NONE,
+  SDR_LAW_VARIATIONAL,
+  SDR_LAW_CRITICAL_STRETCH,
+  SDR_LAW_AT1,
+  SDR_LAW_COHESIVE
+} sdr_law;
 typedef enum { SDR_CALIBRATE_FAMILY, SDR_CALIBRATE_PRINTED } sdr_calibration_kind;
 /* Weight of a bond in its family: a function of its length (named after the influence functions of
    nom/influence.h), times partial volumes, times a correction. */
