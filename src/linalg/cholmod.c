@@ -29,6 +29,14 @@ static void destroy(void *given)
   sdr_free(s);
 }
 
+/* The copy of A: the factor does not need it. */
+static void drop_matrix(state *s)
+{
+  cholmod_l_free_sparse(&s->upper, &s->common);
+  sdr_free(s->diagonal);
+  s->diagonal = NULL;
+}
+
 static sdr_status complain(const state *s)
 {
   if (s->common.status == CHOLMOD_OUT_OF_MEMORY)
@@ -53,15 +61,22 @@ static state *open_state(sdr_matrix_kind kind)
   return s;
 }
 
-/* The upper triangle by columns: of row r (column r of the symmetric matrix) what is left of the
-   diagonal. */
-static sdr_status copy_upper(const sdr_csr *a, state *s)
+static int64_t count_upper(const sdr_csr *a)
 {
   int64_t count = 0;
   for (int32_t r = 0; r < a->rows; ++r)
     for (int64_t k = a->row[r]; k < a->row[r + 1] && a->column[k] <= r; ++k) ++count;
-  const size_t n = (size_t)a->rows;
-  s->upper = cholmod_l_allocate_sparse(n, n, (size_t)count, 1, 1, 1, CHOLMOD_REAL, &s->common);
+  return count;
+}
+
+/* The upper triangle by columns: of row r (column r of the symmetric matrix) what is left of the
+   diagonal. */
+static sdr_status copy_upper(const sdr_csr *a, state *s)
+{
+  const size_t n = (size_t)a->rows, count = (size_t)count_upper(a);
+  s->diagonal = sdr_alloc(n, sizeof(double));
+  if (!s->diagonal) return SDR_RUN_FAILED;
+  s->upper = cholmod_l_allocate_sparse(n, n, count, 1, 1, 1, CHOLMOD_REAL, &s->common);
   if (!s->upper) return complain(s);
   int64_t *start = s->upper->p, *row = s->upper->i, at = 0;
   double *value = s->upper->x;
@@ -101,8 +116,6 @@ static sdr_status prepare(sdr_matrix_kind kind, const sdr_csr *a, void **out)
   state *s = open_state(kind);
   if (!s) return SDR_RUN_FAILED;
   *out = s;
-  s->diagonal = sdr_alloc((size_t)a->rows, sizeof(double));
-  if (!s->diagonal) return SDR_RUN_FAILED;
   SDR_TRY(copy_upper(a, s));
   return analyse(a, s);
 }
@@ -170,15 +183,18 @@ static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
 {
   if (!*out) SDR_TRY(prepare(kind, a, out));
   state *s = *out;
+  if (!s->upper) SDR_TRY(copy_upper(a, s));
   report->nonzeros = s->common.lnz;
   report->flops = s->common.fl;
   const int done = cholmod_l_factorize(s->upper, s->factor, &s->common);
   report->bytes = fmax(report->bytes, (double)s->common.memory_usage);
-  if (!done && s->common.status < CHOLMOD_OK) return complain(s);
-  SDR_TRY(judge(s, kind, a, report));
-  cholmod_l_free_sparse(&s->upper, &s->common);
-  sdr_free(s->diagonal);
-  s->diagonal = NULL;
+  if (!done && s->common.status < CHOLMOD_OK) {
+    drop_matrix(s);
+    return complain(s);
+  }
+  const sdr_status status = judge(s, kind, a, report);
+  drop_matrix(s);
+  if (status != SDR_OK || s->b) return status;
   s->b = cholmod_l_allocate_dense(s->factor->n, 1, s->factor->n, CHOLMOD_REAL, &s->common);
   return s->b ? SDR_OK : complain(s);
 }

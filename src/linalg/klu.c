@@ -50,19 +50,26 @@ static sdr_status judge(const state *s, const sdr_csr *a, sdr_solver_report *rep
   return SDR_OK;
 }
 
+static state *open_state(void)
+{
+  state *s = sdr_alloc(1, sizeof *s);
+  if (s) klu_l_defaults(&s->common);
+  return s;
+}
+
 static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
                          sdr_solver_report *report)
 {
   (void)kind;
-  state *s = sdr_alloc(1, sizeof *s);
-  if (!s) return SDR_RUN_FAILED;
-  *out = s;
+  if (!*out && !(*out = open_state())) return SDR_RUN_FAILED;
+  state *s = *out;
   s->rows = a->rows;
-  klu_l_defaults(&s->common);
+  klu_l_free_numeric(&s->numeric, &s->common);
+  sdr_free(s->column);
   s->column = sdr_csr_wide_columns(a);
   if (!s->column) return SDR_RUN_FAILED;
   SuiteSparse_long *start = (SuiteSparse_long *)a->row, *column = (SuiteSparse_long *)s->column;
-  s->symbolic = klu_l_analyze(a->rows, start, column, &s->common);
+  if (!s->symbolic) s->symbolic = klu_l_analyze(a->rows, start, column, &s->common);
   if (!s->symbolic) return complain(s, a, report);
   s->numeric = klu_l_factor(start, column, a->value, s->symbolic, &s->common);
   if (!s->numeric || s->common.status != KLU_OK) return complain(s, a, report);

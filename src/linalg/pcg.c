@@ -121,6 +121,8 @@ static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
                          sdr_solver_report *report)
 {
   (void)kind;
+  if (*out) destroy(*out); /* finding the blocks is quick */
+  *out = NULL;
   state *s = sdr_alloc(1, sizeof *s);
   if (!s) return SDR_RUN_FAILED;
   *out = s;
@@ -190,9 +192,17 @@ static sdr_status solve(void *given, const double *b, double *x, sdr_solver_repo
   return iterate(s, x, tolerance * sqrt(dot(b, b, s->matrix->rows)), report);
 }
 
+static sdr_status apply_blocks(void *given, const double *b, double *x, sdr_solver_report *report)
+{
+  (void)report;
+  precondition(given, b, x);
+  return SDR_OK;
+}
+
 const sdr_solver_ops sdr_solver_pcg = {.name = "pcg",
                                        .direct = 0,
                                        .takes = {1, 0, 0},
                                        .factor = factor,
                                        .solve = solve,
+                                       .precondition = apply_blocks,
                                        .destroy = destroy};

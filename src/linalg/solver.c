@@ -16,7 +16,8 @@ struct sdr_solver {
   const sdr_solver_ops *ops; /* NULL: chosen at the first factor */
   int automatic;
   sdr_matrix_kind kind;
-  const sdr_csr *matrix;
+  const sdr_csr *matrix; /* NULL: none is factored */
+  int32_t rows;          /* of the matrix that state knows */
   void *state;
   double *residual, *correction;
   sdr_solver_report report;
@@ -83,6 +84,7 @@ static void drop_state(sdr_solver *solver)
   sdr_free(solver->correction);
   solver->residual = solver->correction = NULL;
   solver->matrix = NULL;
+  solver->rows = 0;
 }
 
 void sdr_solver_destroy(sdr_solver **solver)
@@ -158,6 +160,20 @@ static sdr_status look_closer(sdr_solver *solver, const sdr_csr *a)
 
 /* ---- factor ---------------------------------------------------------------------------------- */
 
+/* With what is known about the pattern in solver->state, if anything. */
+static sdr_status factor_values(sdr_solver *solver, const sdr_csr *matrix)
+{
+  solver->matrix = NULL;
+  solver->report.singular_row = -1;
+  solver->report.weakest = INFINITY;
+  if (matrix->rows > 0) {
+    SDR_TRY(solver->ops->factor(solver->kind, matrix, &solver->state, &solver->report));
+    if (solver->report.weakest < sdr_solver_weak_pivot) SDR_TRY(look_closer(solver, matrix));
+  }
+  solver->matrix = matrix;
+  return SDR_OK;
+}
+
 sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
 {
   if (matrix->rows != matrix->columns)
@@ -168,17 +184,19 @@ sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix)
   const size_t rows = (size_t)matrix->rows;
   if (solver->automatic) SDR_TRY(choose(solver, matrix));
   solver->report.name = solver->ops->name;
-  solver->report.singular_row = -1;
   solver->residual = sdr_alloc(rows, sizeof(double));
   solver->correction = sdr_alloc(rows, sizeof(double));
   if (!solver->residual || !solver->correction) return SDR_RUN_FAILED;
-  solver->report.weakest = INFINITY;
-  if (rows > 0) {
-    SDR_TRY(solver->ops->factor(solver->kind, matrix, &solver->state, &solver->report));
-    if (solver->report.weakest < sdr_solver_weak_pivot) SDR_TRY(look_closer(solver, matrix));
-  }
-  solver->matrix = matrix;
-  return SDR_OK;
+  solver->rows = matrix->rows;
+  return factor_values(solver, matrix);
+}
+
+sdr_status sdr_solver_refactor(sdr_solver *solver, const sdr_csr *matrix)
+{
+  if (!solver->residual || matrix->rows != solver->rows)
+    return sdr_fail(SDR_RUN_FAILED, "a matrix of %d rows cannot be factored again: the last had %d",
+                    (int)matrix->rows, (int)solver->rows);
+  return factor_values(solver, matrix);
 }
 
 sdr_status sdr_solver_singular(sdr_solver_report *report, const sdr_csr *matrix, int32_t row,
@@ -279,4 +297,12 @@ sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x)
                   "the linear solver '%s' left a residual of %.1e of the right-hand side: the "
                   "matrix is singular to working precision",
                   solver->report.name, solver->report.residual);
+}
+
+sdr_status sdr_solver_precondition(sdr_solver *solver, const double *b, double *x)
+{
+  if (!solver->matrix) return sdr_fail(SDR_RUN_FAILED, "no matrix has been factored");
+  if (solver->rows == 0) return SDR_OK;
+  const sdr_solver_ops *ops = solver->ops;
+  return (ops->precondition ? ops->precondition : ops->solve)(solver->state, b, x, &solver->report);
 }

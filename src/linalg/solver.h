@@ -21,10 +21,19 @@ void sdr_solver_destroy(sdr_solver **solver); /* NULL-safe */
    a number (OPENBLAS_NUM_THREADS): on small supernodes two were 8 times slower. */
 sdr_status sdr_solver_factor(sdr_solver *solver, const sdr_csr *matrix);
 
+/* The same of a matrix with the pattern of the one factored last: what was found about the pattern
+   (order, fill) is kept, where the solver keeps such. Also after a factor that failed for the
+   values. SDR_RUN_FAILED if none was tried. */
+sdr_status sdr_solver_refactor(sdr_solver *solver, const sdr_csr *matrix);
+
 /* Solve for one right-hand side; x and b hold `rows` values and may not overlap. Direct solvers
    refine their answer once or twice where its residual asks for it. SDR_RUN_FAILED if pcg leaves
    more than 1e-6 of b, or a direct solver more than rounding of the terms in A x. */
 sdr_status sdr_solver_solve(sdr_solver *solver, const double *b, double *x);
+
+/* x = an approximate inverse times b, linear in b: the factors alone, without a look at the matrix,
+   whose values may have changed since; of pcg its preconditioner. For iterations of others. */
+sdr_status sdr_solver_precondition(sdr_solver *solver, const double *b, double *x);
 
 /* What a solver was, held and did. */
 typedef struct {

@@ -10,12 +10,15 @@ typedef struct {
   const char *name;
   int direct;   /* 1: a residual may be cut by solving again */
   int takes[3]; /* by sdr_matrix_kind */
-  /* Factor A into a new *state (cholmod: or one that was analysed), which is written also on
-     failure if there is something to destroy. report: bytes, nonzeros, flops, weakest (direct
+  /* Factor A into *state: a new one, or that of a matrix with the same pattern (cholmod: also one
+     that was only analysed), which is written also on failure if there is something to destroy.
+     report: bytes, nonzeros, flops, weakest (direct
      solvers), singular_row. */
   sdr_status (*factor)(sdr_matrix_kind kind, const sdr_csr *matrix, void **state,
                        sdr_solver_report *report);
   sdr_status (*solve)(void *state, const double *b, double *x, sdr_solver_report *report);
+  /* One linear approximation to solve; NULL: that is one. */
+  sdr_status (*precondition)(void *state, const double *b, double *x, sdr_solver_report *report);
   void (*destroy)(void *state); /* never NULL */
 } sdr_solver_ops;
 

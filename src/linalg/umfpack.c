@@ -55,25 +55,34 @@ static sdr_status judge(const state *s, const sdr_csr *a, sdr_solver_report *rep
   return status;
 }
 
-static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
-                         sdr_solver_report *report)
+static sdr_status analyse(sdr_matrix_kind kind, const sdr_csr *a, void **out)
 {
   enum { SMALL = 500 }; /* rows below which METIS gains nothing */
   state *s = sdr_alloc(1, sizeof *s);
   if (!s) return SDR_RUN_FAILED;
   *out = s;
-  s->matrix = a;
   s->column = sdr_csr_wide_columns(a);
   if (!s->column) return SDR_RUN_FAILED;
   umfpack_dl_defaults(s->control);
   if (kind != SDR_MATRIX_GENERAL) s->control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
   if (a->rows > SMALL) s->control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+  const int64_t code = umfpack_dl_symbolic(a->rows, a->rows, (const SuiteSparse_long *)a->row,
+                                           (const SuiteSparse_long *)s->column, a->value,
+                                           &s->symbolic, s->control, s->info);
+  return code < 0 ? complain(code) : SDR_OK;
+}
+
+static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
+                         sdr_solver_report *report)
+{
+  if (!*out) SDR_TRY(analyse(kind, a, out));
+  state *s = *out;
+  s->matrix = a;
+  umfpack_dl_free_numeric(&s->numeric);
   const SuiteSparse_long *start = (const SuiteSparse_long *)a->row;
   const SuiteSparse_long *column = (const SuiteSparse_long *)s->column;
-  int64_t code = umfpack_dl_symbolic(a->rows, a->rows, start, column, a->value, &s->symbolic,
-                                     s->control, s->info);
-  if (code < 0) return complain(code);
-  code = umfpack_dl_numeric(start, column, a->value, s->symbolic, &s->numeric, s->control, s->info);
+  const int64_t code =
+      umfpack_dl_numeric(start, column, a->value, s->symbolic, &s->numeric, s->control, s->info);
   report->bytes = s->info[UMFPACK_PEAK_MEMORY] * s->info[UMFPACK_SIZE_OF_UNIT];
   report->nonzeros = s->info[UMFPACK_LNZ] + s->info[UMFPACK_UNZ];
   report->flops = s->info[UMFPACK_FLOPS];
@@ -81,14 +90,31 @@ static sdr_status factor(sdr_matrix_kind kind, const sdr_csr *a, void **out,
   return judge(s, a, report);
 }
 
-static sdr_status solve(void *given, const double *b, double *x, sdr_solver_report *report)
+static sdr_status solve_with(state *s, const double *b, double *x)
 {
-  state *s = given;
-  (void)report;
   const int64_t code = umfpack_dl_solve(UMFPACK_At, (const SuiteSparse_long *)s->matrix->row,
                                         (const SuiteSparse_long *)s->column, s->matrix->value, x, b,
                                         s->numeric, s->control, s->info);
   return code < 0 ? complain(code) : SDR_OK;
+}
+
+static sdr_status solve(void *given, const double *b, double *x, sdr_solver_report *report)
+{
+  state *s = given;
+  (void)report;
+  return solve_with(s, b, x);
+}
+
+/* The factors alone. */
+static sdr_status precondition(void *given, const double *b, double *x, sdr_solver_report *report)
+{
+  state *s = given;
+  const double rounds = s->control[UMFPACK_IRSTEP];
+  (void)report;
+  s->control[UMFPACK_IRSTEP] = 0.0;
+  const sdr_status status = solve_with(s, b, x);
+  s->control[UMFPACK_IRSTEP] = rounds;
+  return status;
 }
 
 const sdr_solver_ops sdr_solver_umfpack = {.name = "umfpack",
@@ -96,4 +122,5 @@ const sdr_solver_ops sdr_solver_umfpack = {.name = "umfpack",
                                            .takes = {1, 1, 1},
                                            .factor = factor,
                                            .solve = solve,
+                                           .precondition = precondition,
                                            .destroy = destroy};

@@ -11,7 +11,8 @@
 sdr_status sdr_tangent_assemble(sdr_model *model, double *const u[3], sdr_csr *out);
 
 /* The same for many states: what is joined to what, and where each part's values go, is found once.
-   A part must join the same points, in the same order, at every visit of one kind. */
+   A part must join the same points, in the same order, at every visit of one kind; parts, and
+   points of a part, may be left out (those that damage cut off). */
 typedef struct sdr_tangent sdr_tangent;
 
 typedef enum {

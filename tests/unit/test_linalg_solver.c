@@ -359,6 +359,103 @@ static void a_failed_allocation_leaves_nothing_behind(void **state)
   sdr_csr_destroy(&a);
 }
 
+/* ---- again and again ------------------------------------------------------------------------- */
+
+static void check_refactored(const char *name)
+{
+  const grid first = {.n = 25, .components = 2, .edge = 1.0};
+  const grid second = {.n = 25, .components = 2, .edge = 1.0, .shift = 0.7};
+  sdr_csr a = grid_matrix(&first), b = grid_matrix(&second);
+  sdr_solver *again = NULL, *anew = NULL;
+  double *right = vector_of(a.rows), *x = vector_of(a.rows), *wanted = vector_of(a.rows);
+  uint64_t seed = 3;
+  for (int32_t k = 0; k < a.rows; ++k) right[k] = noise(&seed);
+  assert_int_equal(sdr_solver_create(name, SDR_MATRIX_POSITIVE, &again), SDR_OK);
+  assert_int_equal(sdr_solver_create(name, SDR_MATRIX_POSITIVE, &anew), SDR_OK);
+  assert_int_equal(sdr_solver_factor(anew, &b), SDR_OK);
+  assert_int_equal(sdr_solver_solve(anew, right, wanted), SDR_OK);
+  assert_int_equal(sdr_solver_factor(again, &a), SDR_OK);
+  for (int round = 0; round < 3; ++round) {
+    assert_int_equal(sdr_solver_refactor(again, &a), SDR_OK);
+    assert_int_equal(sdr_solver_refactor(again, &b), SDR_OK);
+    assert_int_equal(sdr_solver_solve(again, right, x), SDR_OK);
+    assert_memory_equal(x, wanted, (size_t)a.rows * sizeof *x);
+  }
+  sdr_solver_destroy(&again);
+  sdr_solver_destroy(&anew);
+  sdr_csr_destroy(&a);
+  sdr_csr_destroy(&b);
+  sdr_free(right);
+  sdr_free(x);
+  sdr_free(wanted);
+}
+
+static void a_factor_of_the_same_pattern_gives_the_same_bits(void **state)
+{
+  (void)state;
+  for (int k = 0; k < NAMES; ++k) check_refactored(names[k]);
+}
+
+static void a_factor_that_failed_is_tried_again_with_other_values(void **state)
+{
+  (void)state;
+  const grid good = {.n = 25, .components = 1, .edge = 1.0};
+  const grid bad = {.n = 25, .components = 1, .edge = 1.0, .shift = -1.234};
+  sdr_csr a = grid_matrix(&good), b = grid_matrix(&bad), smaller = grid_matrix(&(grid){.n = 2});
+  sdr_solver *solver = NULL;
+  double *right = vector_of(a.rows), *x = vector_of(a.rows);
+  right[7] = 1.0;
+  assert_int_equal(sdr_solver_create("cholmod", SDR_MATRIX_POSITIVE, &solver), SDR_OK);
+  assert_int_equal(sdr_solver_refactor(solver, &a), SDR_RUN_FAILED);
+  assert_int_equal(sdr_solver_factor(solver, &b), SDR_RUN_FAILED);
+  assert_int_equal(sdr_solver_solve(solver, right, x), SDR_RUN_FAILED);
+  assert_int_equal(sdr_solver_refactor(solver, &a), SDR_OK);
+  assert_int_equal(sdr_solver_solve(solver, right, x), SDR_OK);
+  assert_int_equal(sdr_solver_refactor(solver, &smaller), SDR_RUN_FAILED);
+  assert_string_equal(sdr_error_message(),
+                      "a matrix of 0 rows cannot be factored again: the last had 625");
+  sdr_solver_destroy(&solver);
+  sdr_csr_destroy(&a);
+  sdr_csr_destroy(&b);
+  sdr_csr_destroy(&smaller);
+  sdr_free(right);
+  sdr_free(x);
+}
+
+/* Direct solvers: the inverse itself, also where the matrix has changed since. pcg: symmetric,
+   positive, and of diagonal blocks the inverse. */
+static void a_solver_preconditions(void **state)
+{
+  (void)state;
+  const grid g = {.n = 15, .components = 2, .edge = 1.0};
+  for (int k = 0; k < NAMES; ++k) {
+    sdr_csr a = grid_matrix(&g);
+    sdr_solver *solver = NULL;
+    double *right = vector_of(a.rows), *x = vector_of(a.rows), *y = vector_of(a.rows);
+    uint64_t seed = 5;
+    for (int32_t r = 0; r < a.rows; ++r) right[r] = noise(&seed);
+    assert_int_equal(sdr_solver_create(names[k], SDR_MATRIX_POSITIVE, &solver), SDR_OK);
+    assert_int_equal(sdr_solver_precondition(solver, right, x), SDR_RUN_FAILED);
+    assert_int_equal(sdr_solver_factor(solver, &a), SDR_OK);
+    assert_int_equal(sdr_solver_precondition(solver, right, x), SDR_OK);
+    for (int64_t p = 0; p < a.row[a.rows]; ++p) a.value[p] *= 2.0;
+    if (strcmp(names[k], "pcg") != 0) {
+      sdr_csr_times(&a, x, y);
+      for (int32_t r = 0; r < a.rows; ++r) assert_true(fabs(y[r] - 2.0 * right[r]) < 1e-12);
+      assert_int_equal(sdr_solver_precondition(solver, right, y), SDR_OK);
+      assert_true(error_of(y, x, a.rows) < 1e-12);
+    } else { /* blocks of 4 and 1 */
+      for (int32_t r = 0; r < a.rows; ++r)
+        assert_true(fabs(4.0 * x[r] + x[r ^ 1] - right[r]) < 1e-14);
+    }
+    sdr_solver_destroy(&solver);
+    sdr_csr_destroy(&a);
+    sdr_free(right);
+    sdr_free(x);
+    sdr_free(y);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -376,6 +473,9 @@ int main(void)
       cmocka_unit_test(a_name_that_does_not_fit_is_refused),
       cmocka_unit_test(a_matrix_that_is_not_square_is_refused),
       cmocka_unit_test(a_failed_allocation_leaves_nothing_behind),
+      cmocka_unit_test(a_factor_of_the_same_pattern_gives_the_same_bits),
+      cmocka_unit_test(a_factor_that_failed_is_tried_again_with_other_values),
+      cmocka_unit_test(a_solver_preconditions),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* mechanics: u = a + B q, and what it makes of matrices and forces. */
 #include "mechanics/constraints.h"
+#include "mechanics/reduction.h"
 #include "support/still_body.h"
 
 enum { N = 12 }; /* unknowns of 6 points in 2-D */
@@ -216,12 +217,79 @@ static void what_contradicts_itself_is_refused(void **state)
   check_refused(4, 5, 5, " leads a fictitious layer and follows one: layers must follow the body");
 }
 
+/* ---- again and again ------------------------------------------------------------------------- */
+
+/* The pattern of neighbours in a ring. */
+static sdr_csr ring_matrix(void)
+{
+  sdr_csr_builder *builder = NULL;
+  sdr_csr k = {0};
+  assert_int_equal(sdr_csr_builder_create(N, N, &builder), SDR_OK);
+  for (int r = 0; r < N; ++r)
+    for (int d = -1; d < 2; ++d)
+      assert_int_equal(sdr_csr_builder_add(builder, r, (r + d + N) % N, 1.0), SDR_OK);
+  assert_int_equal(sdr_csr_builder_finish(builder, &k), SDR_OK);
+  sdr_csr_builder_destroy(&builder);
+  return k;
+}
+
+static int update_and_compare(sdr_reduction *reduction, const sdr_constraints *c, sdr_csr *k,
+                              uint64_t *seed)
+{
+  sdr_csr wanted = {0};
+  int renewed = -1;
+  for (int64_t p = 0; p < k->row[N]; ++p) k->value[p] = noise(seed);
+  assert_int_equal(sdr_reduction_update(reduction, c, &renewed), SDR_OK);
+  assert_int_equal(sdr_constraints_reduce(c, k, &wanted), SDR_OK);
+  const sdr_csr *made = sdr_reduction_matrix(reduction);
+  assert_int_equal(made->rows, wanted.rows);
+  assert_int_equal(made->columns, wanted.columns);
+  const size_t rows = (size_t)wanted.rows, entries = (size_t)wanted.row[rows];
+  assert_memory_equal(made->row, wanted.row, (rows + 1) * sizeof *wanted.row);
+  assert_memory_equal(made->column, wanted.column, entries * sizeof *wanted.column);
+  assert_memory_equal(made->value, wanted.value, entries * sizeof *wanted.value);
+  sdr_csr_destroy(&wanted);
+  return renewed;
+}
+
+static void a_matrix_is_reduced_again_and_again(void **state)
+{
+  (void)state;
+  held_body h = held_create();
+  const double fewer[3] = {0.1, NAN, 0.3};
+  sdr_constraints selection = {0}, other = {0}, slaved = {0};
+  sdr_csr k = ring_matrix();
+  sdr_reduction *reduction = NULL;
+  uint64_t seed = 2;
+  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, values, NULL, &selection),
+                   SDR_OK);
+  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, fewer, NULL, &other), SDR_OK);
+  assert_int_equal(sdr_constraints_create(h.body.points, h.supports, values, &slaves, &slaved),
+                   SDR_OK);
+  assert_int_equal(sdr_reduction_create(&k, &reduction), SDR_OK);
+  assert_int_equal(update_and_compare(reduction, &selection, &k, &seed), 1);
+  assert_int_equal(update_and_compare(reduction, &selection, &k, &seed), 0);
+  assert_int_equal(update_and_compare(reduction, &other, &k, &seed), 1);
+  assert_int_equal(update_and_compare(reduction, &slaved, &k, &seed), 1);
+  assert_int_equal(update_and_compare(reduction, &slaved, &k, &seed), 0);
+  assert_int_equal(update_and_compare(reduction, &other, &k, &seed), 1);
+  assert_int_equal(update_and_compare(reduction, &other, &k, &seed), 0);
+  sdr_reduction_destroy(&reduction);
+  assert_null(reduction);
+  sdr_csr_destroy(&k);
+  sdr_constraints_destroy(&selection);
+  sdr_constraints_destroy(&other);
+  sdr_constraints_destroy(&slaved);
+  held_destroy(&h);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(components_are_free_prescribed_or_slaved),
       cmocka_unit_test(forces_do_the_same_work_on_the_free_components),
       cmocka_unit_test(a_matrix_is_reduced),
+      cmocka_unit_test(a_matrix_is_reduced_again_and_again),
       cmocka_unit_test(forces_apart_act_on_nothing),
       cmocka_unit_test(supports_that_do_not_act_leave_their_points_free),
       cmocka_unit_test(what_contradicts_itself_is_refused),

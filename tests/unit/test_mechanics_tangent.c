@@ -1,6 +1,6 @@
 /* mechanics: the tangent stiffness as a matrix is that of tangent_times. */
 #include "mechanics/tangent.h"
-#include "support/body.h"
+#include "support/ordinary.h"
 
 /* A displacement that loads some bonds, unloads others and compresses many, beyond s_c. */
 static void deform(const body *b, double *const u[3], double amplitude)
@@ -187,6 +187,98 @@ static void a_failed_allocation_leaves_nothing_behind(void **state)
   body_destroy(&b);
 }
 
+/* ---- many states ----------------------------------------------------------------------------- */
+
+/* The values of an update are those of assembling: entries for entries that both have. */
+static void check_update(const body *b, sdr_tangent *tangent, double *const u[3])
+{
+  sdr_csr wanted = {0};
+  assert_int_equal(sdr_tangent_update(tangent, NULL, u), SDR_OK);
+  assert_int_equal(sdr_tangent_assemble(b->model, u, &wanted), SDR_OK);
+  const sdr_csr *made = sdr_tangent_matrix(tangent);
+  assert_int_equal(made->rows, wanted.rows);
+  for (int32_t r = 0; r < made->rows; ++r) {
+    int64_t p = wanted.row[r];
+    for (int64_t k = made->row[r]; k < made->row[r + 1]; ++k) {
+      const int both = p < wanted.row[r + 1] && wanted.column[p] == made->column[k];
+      assert_near(made->value[k], both ? wanted.value[p] : 0.0, 0.0);
+      p += both;
+    }
+    assert_int_equal(p, wanted.row[r + 1]);
+  }
+  sdr_csr_destroy(&wanted);
+}
+
+/* Forth and back, with damage growing. */
+static void check_updates(const body *b, double amplitude)
+{
+  sdr_tangent *tangent = NULL;
+  double *u[3];
+  vector_create(b->points, u);
+  assert_int_equal(sdr_tangent_create(b->model, SDR_TANGENT_EXACT, &tangent), SDR_OK);
+  for (int round = 0; round < 4; ++round) {
+    deform(b, u, (round % 2 ? 0.3 : 1.0 + round) * amplitude);
+    check_update(b, tangent, u);
+    b->model->ops->commit(b->model, u);
+  }
+  sdr_tangent_destroy(&tangent);
+  assert_null(tangent);
+  vector_destroy(u);
+}
+
+static void an_update_gives_the_bits_of_assembling(void **state)
+{
+  (void)state;
+  static const sdr_dimension dimensions[] = {SDR_1D, SDR_PLANE_STRESS, SDR_3D};
+  for (int d = 0; d < 3; ++d)
+    for (int jittered = 0; jittered < 2; ++jittered) {
+      const body_how how = {.dimension = dimensions[d],
+                            .cells = {9, 6, 5},
+                            .ratio = dimensions[d] == SDR_3D ? 2.015 : 3.015,
+                            .law = SDR_LAW_VARIATIONAL,
+                            .jitter = jittered ? 0.3 : 0.0};
+      body b = body_create(&how);
+      check_updates(&b, 0.01);
+      body_destroy(&b);
+    }
+}
+
+/* Ordinary bodies leave out the bonds, and in the end the points, that have come apart. */
+static void an_update_follows_families_that_shrink(void **state)
+{
+  (void)state;
+  const ordinary_how how = {
+      .body = {.dimension = SDR_PLANE_STRESS, .cells = {9, 7}, .law = SDR_LAW_CRITICAL_STRETCH}};
+  body b = ordinary_create(&how);
+  check_updates(&b, 0.01);
+  sdr_energies energies;
+  double *u[3];
+  vector_create(b.points, u);
+  b.model->ops->energies(b.model, u, &energies);
+  assert_true(energies.broken > b.model->bonds / 4);
+  vector_destroy(u);
+  body_destroy(&b);
+}
+
+static void a_body_without_such_a_tangent_is_refused(void **state)
+{
+  (void)state;
+  const ordinary_how how = {.body = {.dimension = SDR_PLANE_STRESS, .cells = {5, 4}}};
+  body b = ordinary_create(&how);
+  sdr_model_ops ops = *b.model->ops;
+  const sdr_model_ops *own = b.model->ops;
+  sdr_tangent *tangent = NULL;
+  ops.visit_secant = NULL;
+  ops.visit_mean_tangent = NULL;
+  b.model->ops = &ops;
+  assert_int_equal(sdr_tangent_create(b.model, SDR_TANGENT_SECANT, &tangent), SDR_BAD_INPUT);
+  assert_string_equal(sdr_error_message(), "the model ordinary has no secant stiffness");
+  assert_int_equal(sdr_tangent_create(b.model, SDR_TANGENT_MEAN, &tangent), SDR_BAD_INPUT);
+  assert_null(tangent);
+  b.model->ops = own;
+  body_destroy(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -194,6 +286,9 @@ int main(void)
       cmocka_unit_test(the_reference_matrix_is_that_of_the_reference_product),
       cmocka_unit_test(runs_and_loose_pairs_give_the_same_matrix),
       cmocka_unit_test(a_failed_allocation_leaves_nothing_behind),
+      cmocka_unit_test(an_update_gives_the_bits_of_assembling),
+      cmocka_unit_test(an_update_follows_families_that_shrink),
+      cmocka_unit_test(a_body_without_such_a_tangent_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
