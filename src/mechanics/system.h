@@ -20,6 +20,11 @@ typedef struct {
   int64_t iterations;  /* 0: direct */
   double residual;     /* |K u - f| at the free components over |f - K a| */
   double nonlinearity; /* |K u - (forces of the bent body)| over |K u| */
+  /* Of integrators that solve nonlinear equations; 0 of others. */
+  int64_t accepted, cuts; /* increments or steps; how often one was too long */
+  int64_t newton;         /* iterations; those of linear solvers are `iterations` */
+  int64_t factorisations;
+  int64_t fallbacks; /* statics: times that motion had to find the next equilibrium */
 } sdr_solve_record;
 
 typedef struct {
@@ -45,6 +50,7 @@ typedef struct {
 
   /* Sums since t = 0, of loads and supports. */
   double external_work;      /* J */
+  double viscous;            /* J: what damping of the motion took; most integrators have none */
   double impulse[3];         /* N s */
   double angular_impulse[3]; /* N m s, about the origin, current positions */
 

@@ -18,7 +18,7 @@ enum { NAME_SIZE = 160 };
 
 /* Where a run stands. Doubles and int64 only: no padding. */
 typedef struct {
-  double time, step_size, velocity_offset, external_work;
+  double time, step_size, velocity_offset, external_work, viscous;
   double impulse[3], angular_impulse[3];
   int64_t step;
 } standing;
@@ -180,6 +180,7 @@ sdr_status sdr_checkpoint_write(const char *directory, const sdr_moment *moment,
                   .step_size = moment->step_size,
                   .velocity_offset = system->velocity_offset,
                   .external_work = system->external_work,
+                  .viscous = system->viscous,
                   .step = moment->step};
   memcpy(now.impulse, system->impulse, sizeof now.impulse);
   memcpy(now.angular_impulse, system->angular_impulse, sizeof now.angular_impulse);
@@ -276,6 +277,7 @@ static void take_over(const plan *p, const standing *now, sdr_moment *moment)
   moment->step_size = now->step_size;
   system->velocity_offset = now->velocity_offset;
   system->external_work = now->external_work;
+  system->viscous = now->viscous;
   memcpy(system->impulse, now->impulse, sizeof now->impulse);
   memcpy(system->angular_impulse, now->angular_impulse, sizeof now->angular_impulse);
 }

@@ -81,7 +81,8 @@ static void book(account *a, const sdr_balance *balance, const sdr_moment *momen
   b->stored = balance->model.stored;
   b->dissipated = balance->model.dissipated;
   b->external_work = system->external_work;
-  b->imbalance = energy - a->energy0 - system->external_work;
+  b->viscous = system->viscous;
+  b->imbalance = energy + b->viscous - a->energy0 - system->external_work;
   b->imbalance_relative = share(b->imbalance, a->largest_energy);
   b->imbalance_largest = fmax(b->imbalance_largest, fabs(b->imbalance_relative));
   b->linear_residual =
@@ -104,8 +105,8 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
   book(&l->now, balance, moment);
   const sdr_books *b = &l->now.books;
   const double fixed[FIXED_COLUMNS] = {
-      moment->time,     b->kinetic,   b->stored,     b->dissipated,    0.0, 0.0, 0.0,
-      b->external_work, b->imbalance, b->max_damage, (double)b->broken};
+      moment->time, b->kinetic,       b->stored,    b->dissipated, b->viscous,       0.0,
+      0.0,          b->external_work, b->imbalance, b->max_damage, (double)b->broken};
   memcpy(l->values, fixed, sizeof fixed);
   SDR_TRY(sdr_columns_values(l->columns, moment->system, l->values + FIXED_COLUMNS));
   if (!l->history) SDR_TRY(sdr_history_file_create(moment->directory, l->header, &l->history));

@@ -178,6 +178,7 @@ static double quantity(const sdr_books *books, const char *name)
   } known[] = {{"kinetic", books->kinetic},
                {"stored", books->stored},
                {"dissipated", books->dissipated},
+               {"viscous", books->viscous},
                {"external_work", books->external_work},
                {"imbalance", books->imbalance},
                {"imbalance_relative", books->imbalance_relative},

@@ -98,6 +98,7 @@ static void put_balance(sdr_record *r, const sdr_summary *s)
   sdr_record_real(&energy, "kinetic", s->books.kinetic);
   sdr_record_real(&energy, "stored", s->books.stored);
   sdr_record_real(&energy, "dissipated", s->books.dissipated);
+  sdr_record_real(&energy, "viscous", s->books.viscous);
   sdr_record_real(&energy, "external_work", s->books.external_work);
   sdr_record_real(&energy, "imbalance", s->books.imbalance);
   sdr_record_real(&energy, "imbalance_relative", s->books.imbalance_relative);
@@ -137,6 +138,11 @@ static void put_solve(sdr_record *r, const sdr_solve_record *solve)
   sdr_record_whole(r, "iterations", solve->iterations);
   sdr_record_real(r, "residual", solve->residual);
   sdr_record_real(r, "nonlinearity", solve->nonlinearity);
+  sdr_record_whole(r, "accepted", solve->accepted);
+  sdr_record_whole(r, "cuts", solve->cuts);
+  sdr_record_whole(r, "newton_iterations", solve->newton);
+  sdr_record_whole(r, "factorisations", solve->factorisations);
+  sdr_record_whole(r, "fallbacks", solve->fallbacks);
 }
 
 static void put_solver(sdr_record *r, const sdr_summary *s)

@@ -27,18 +27,11 @@ static const struct {
               {SCALAR, {1, 0, 0, 0}},   {SCALAR, {1, 0, 0, 0}},   {SCALAR, {0, 0, 0, 0}}};
 
 /* Of the body as a whole, as in the ledger (output/ledger.h). */
-static const char *const quantity_names[] = {"kinetic",
-                                             "stored",
-                                             "dissipated",
-                                             "external_work",
-                                             "imbalance",
-                                             "imbalance_relative",
-                                             "momentum_linear",
-                                             "momentum_angular",
-                                             "max_damage",
-                                             "broken_bonds",
-                                             NULL};
-enum { ENERGY_QUANTITIES = 5 }; /* the first ones; the others are plain numbers */
+static const char *const quantity_names[] = {
+    "kinetic",          "stored",     "dissipated",         "viscous",
+    "external_work",    "imbalance",  "imbalance_relative", "momentum_linear",
+    "momentum_angular", "max_damage", "broken_bonds",       NULL};
+enum { ENERGY_QUANTITIES = 6 }; /* the first ones; the others are plain numbers */
 
 static const char *const kinds[] = {"value", "mean",     "min",       "max",
                                     "sum",   "l2_error", "max_error", NULL};

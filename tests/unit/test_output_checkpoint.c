@@ -71,6 +71,7 @@ static void fixture_create(fixture *f, double seed)
   }
   fill(f->b.model.history, seed + 10.0);
   f->b.system->external_work = seed + 11.0;
+  f->b.system->viscous = seed + 12.0;
   f->b.system->velocity_offset = seed + 12.0;
   f->b.scene->hash = UINT64_C(0x0123456789abcdef);
   f->b.moment.step_size = 1e-6 * (1.0 + seed);
@@ -107,6 +108,7 @@ static void expect_same(const fixture *a, const fixture *c)
                       3 * sizeof(double));
   assert_true(a->b.system->load_before[0][0] == c->b.system->load_before[0][0]);
   assert_true(a->b.system->external_work == c->b.system->external_work);
+  assert_true(a->b.system->viscous == c->b.system->viscous);
   assert_true(a->b.system->velocity_offset == c->b.system->velocity_offset);
   assert_true(a->b.system->time == c->b.system->time && a->b.moment.time == c->b.moment.time);
   assert_true(a->b.moment.step_size == c->b.moment.step_size);
