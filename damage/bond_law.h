@@ -88,14 +88,21 @@ typedef struct {
   double damage;             /* d */
 } sdr_bond_answer;
 
+/* With history k, of which `loading` says whether the present stretch has made it. */
+static inline sdr_bond_answer sdr_bond_law_at(int law, double s, double k, int loading, double q,
+                                              double r)
+{
+  const sdr_softening soft = sdr_softening_of(law, k, q, r);
+  const double left = s > 0.0 ? soft.left : 1.0;
+  return (sdr_bond_answer){left * s, loading ? soft.slope : left, 0.5 * left * s * s,
+                           soft.dissipated, soft.damage};
+}
+
 /* `before`: the history at the start of the step, >= 0; what it grows to is max(before, s). */
 static inline sdr_bond_answer sdr_bond_law(int law, double s, double before, double q, double r)
 {
   const int loading = s > 0.0 && s >= before;
-  const sdr_softening soft = sdr_softening_of(law, loading ? s : before, q, r);
-  const double left = s > 0.0 ? soft.left : 1.0;
-  return (sdr_bond_answer){left * s, loading ? soft.slope : left, 0.5 * left * s * s,
-                           soft.dissipated, soft.damage};
+  return sdr_bond_law_at(law, s, loading ? s : before, loading, q, r);
 }
 
 /* A bond cut at the start or lost: what it dissipated is booked elsewhere. */

@@ -23,6 +23,9 @@
   X(variational, SDR_LAW_VARIATIONAL)                                                              \
   X(critical_stretch, SDR_LAW_CRITICAL_STRETCH)
 
+#define SDR_COUNT_LAW(name, code) +1
+enum { SDR_LAW_COUNT = 0 SDR_LAWS(SDR_COUNT_LAW) };
+
 /* Instead of a largest stretch: a pair cut at the start carries nothing, a protected one never
    softens. */
 #define SDR_STRETCH_CUT (-1.0f)

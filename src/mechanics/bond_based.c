@@ -107,13 +107,11 @@ static void compute_force(sdr_bond_model *model, int commit, double *const u[3],
 
 static void force(sdr_model *model, double *const u[3], double *const f[3])
 {
-  compute_force((sdr_bond_model *)model, 0, u, NULL, 0.0, f);
-}
-
-static void force_commit(sdr_model *model, double *const u[3], double *const v[3], double dt,
-                         double *const f[3])
-{
-  compute_force((sdr_bond_model *)model, 1, u, v, dt, f);
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  if (bond->body.precise)
+    sdr_bond_precise_force(bond, u, f);
+  else
+    compute_force(bond, 0, u, NULL, 0.0, f);
 }
 
 typedef struct {
@@ -127,7 +125,10 @@ static void commit_pair(void *context, const sdr_pair *pair)
   const commit_call *call = context;
   sdr_bond_body *body = &call->model->body;
   const double s = sdr_pair_stretch(pair, call->model->head.points->components, call->u);
-  if (body->law == SDR_LAW_VARIATIONAL) {
+  if (body->precise && sdr_law_softens((int)body->law)) {
+    double *k = (pair->loose ? body->loose_history : body->history) + pair->slot;
+    if (*k >= 0.0 && s > *k) *k = s;
+  } else if (sdr_law_softens((int)body->law)) {
     float *k = (pair->loose ? body->loose_stretch : body->stretch) + pair->slot;
     if (*k >= 0.0f && (float)s > *k) *k = (float)s;
   } else if (body->law == SDR_LAW_CRITICAL_STRETCH) {
@@ -163,6 +164,18 @@ static void commit(sdr_model *model, double *const u[3])
   book(&booking);
 }
 
+static void force_commit(sdr_model *model, double *const u[3], double *const v[3], double dt,
+                         double *const f[3])
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  if (!bond->body.precise) {
+    compute_force(bond, 1, u, v, dt, f);
+    return;
+  }
+  commit(model, u);
+  sdr_bond_precise_force(bond, u, f);
+}
+
 /* ---- creation -------------------------------------------------------------------------------- */
 
 static void state(sdr_model *model, sdr_state_block *blocks, int *count)
@@ -175,6 +188,10 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
     blocks[n++] = (sdr_state_block){"stretch", body->stretch, runs * sizeof(float)};
   if (body->loose_stretch)
     blocks[n++] = (sdr_state_block){"loose_stretch", body->loose_stretch, loose * sizeof(float)};
+  if (body->history)
+    blocks[n++] = (sdr_state_block){"history", body->history, runs * sizeof(double)};
+  if (body->loose_history)
+    blocks[n++] = (sdr_state_block){"loose_history", body->loose_history, loose * sizeof(double)};
   if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs * sizeof(sdr_flags)};
   if (body->loose_flags)
     blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose * sizeof(sdr_flags)};
@@ -193,7 +210,8 @@ static void skip_rest(sdr_model *model, int skip)
 static size_t history_bytes(const sdr_bond_model *bond)
 {
   const size_t slots = (size_t)(bond->bonds->run_slots + bond->bonds->loose.slot_count);
-  if (bond->body.law == SDR_LAW_VARIATIONAL) return slots * sizeof(float);
+  if (sdr_law_softens((int)bond->body.law))
+    return slots * (bond->body.precise ? sizeof(double) : sizeof(float));
   return bond->body.flags || bond->body.loose_flags ? slots * sizeof(sdr_flags) : 0;
 }
 
@@ -219,6 +237,9 @@ static void destroy(sdr_model *model)
   sdr_bonds_destroy(&bond->bonds);
   sdr_free(bond->body.stiffness_at);
   sdr_free(bond->body.threshold_at);
+  sdr_free(bond->body.decline_at);
+  sdr_free(bond->body.history);
+  sdr_free(bond->body.loose_history);
   sdr_free(bond->body.stretch);
   sdr_free(bond->body.loose_stretch);
   sdr_free(bond->body.flags);
@@ -249,6 +270,8 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .field = sdr_bond_field,
                                   .visit_damage = sdr_bond_visit_damage,
                                   .visit_hessian = sdr_bond_visit_hessian,
+                                  .visit_secant = sdr_bond_visit_secant,
+                                  .break_most = sdr_bond_break_most,
                                   .mark = sdr_bond_mark,
                                   .skip_rest = skip_rest,
                                   .traits = traits,
@@ -292,15 +315,24 @@ static sdr_status set_constants(sdr_bond_body *body, const sdr_families *familie
   return SDR_OK;
 }
 
+/* `count` numbers if there are any. */
+static sdr_status alloc_some(size_t count, size_t size, void **out)
+{
+  if (count > 0 && !(*out = sdr_alloc(count, size))) return SDR_RUN_FAILED;
+  return SDR_OK;
+}
+
 static sdr_status alloc_history(sdr_bond_model *model)
 {
   sdr_bond_body *body = &model->body;
   const sdr_bonds *bonds = model->bonds;
   const size_t runs = (size_t)bonds->run_slots, loose = (size_t)bonds->loose.slot_count;
-  if (body->law == SDR_LAW_VARIATIONAL) {
-    if (runs > 0 && !(body->stretch = sdr_alloc(runs, sizeof(float)))) return SDR_RUN_FAILED;
-    if (loose > 0 && !(body->loose_stretch = sdr_alloc(loose, sizeof(float))))
-      return SDR_RUN_FAILED;
+  if (sdr_law_softens((int)body->law) && body->precise) {
+    SDR_TRY(alloc_some(runs, sizeof(double), (void **)&body->history));
+    SDR_TRY(alloc_some(loose, sizeof(double), (void **)&body->loose_history));
+  } else if (sdr_law_softens((int)body->law)) {
+    SDR_TRY(alloc_some(runs, sizeof(float), (void **)&body->stretch));
+    SDR_TRY(alloc_some(loose, sizeof(float), (void **)&body->loose_stretch));
   }
   if (body->law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
   SDR_TRY(sdr_bond_alloc_flags(model));
@@ -351,12 +383,18 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   model->head = (sdr_model){&ops, points, bonds->directed};
   model->bonds = bonds;
   model->kernels = sdr_bond_kernels_best();
-  model->body = (sdr_bond_body){.points = points, .bonds = bonds, .law = how->law};
+  model->precise = sdr_precise_kernels_best();
+  model->body =
+      (sdr_bond_body){.points = points, .bonds = bonds, .law = how->law, .precise = how->precise};
   sdr_status status = set_constants(&model->body, families, how);
   model->moved = sdr_alloc((size_t)points->stripe_count, 1);
-  if (!model->moved) status = SDR_RUN_FAILED;
+  if (!model->moved)
+    status = SDR_RUN_FAILED;
+  else if (how->precise) /* implicit steps reach all of the body at once */
+    memset(model->moved, 1, (size_t)points->stripe_count);
   if (status == SDR_OK) status = alloc_history(model);
-  if (status == SDR_OK && how->mixed && bonds->run_count > 0) status = set_mixed(&model->body);
+  if (status == SDR_OK && how->mixed && !how->precise && bonds->run_count > 0)
+    status = set_mixed(&model->body);
   if (status != SDR_OK) {
     destroy(&model->head);
     return status;

@@ -7,16 +7,20 @@
 
 #include <stddef.h>
 
-/* Histories are indexed by slot. Which of them exist depends on the law: stretch with variational,
-   flags with critical_stretch and, if some pair is cut, with none. */
+/* Histories are indexed by slot. Which of them exist depends on the law: a stretch with those that
+   soften (sdr_law_softens), flags with critical_stretch and, if some pair is cut, with none. The
+   stretch is in `history` for implicit integrators (`precise`), in `stretch` for explicit ones. */
 typedef struct {
   const sdr_points *points;
   const sdr_bonds *bonds;
   sdr_law law;
   double stiffness, threshold;         /* C and q where all points share them */
   double *stiffness_at, *threshold_at; /* a point; NULL: shared */
+  double decline, *decline_at;         /* r of bond_law.h (cohesive), likewise */
   float *stretch, *loose_stretch;      /* k, or SDR_STRETCH_CUT, SDR_STRETCH_PROTECTED */
-  sdr_flags *flags, *loose_flags;      /* SDR_LOST_I ... */
+  int precise;
+  double *history, *loose_history; /* the same in double */
+  sdr_flags *flags, *loose_flags;  /* SDR_LOST_I ... */
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
   /* precision mixed: displacements over length_unit as sums of two floats, C over `stiffness` and
@@ -52,22 +56,32 @@ typedef void (*sdr_run_damage)(const sdr_bond_body *body, int64_t first, int64_t
 typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
   /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
-  sdr_run_force run_force[3][3][2][2];
-  sdr_run_force mixed_run_force[3][3][2]; /* these commit */
-  sdr_loose_force loose_force[3][3][2][2];
-  sdr_run_energies run_energies[3][3][2];
-  sdr_run_damage run_damage[3][3][2];
+  sdr_run_force run_force[SDR_LAW_COUNT][3][2][2];
+  sdr_run_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* these commit */
+  sdr_loose_force loose_force[SDR_LAW_COUNT][3][2][2];
+  sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
+  sdr_run_damage run_damage[SDR_LAW_COUNT][3][2];
   /* f += K v with the tangent K of the reference shape, damage aside: [components - 1][moduli] */
   sdr_run_force run_reference[3][2];
 } sdr_bond_kernels;
 
+/* Those of bodies with histories in double: [law][components - 1][moduli a point]. None commits. */
+typedef struct {
+  sdr_run_force run_force[SDR_LAW_COUNT][3][2];
+  sdr_loose_force loose_force[SDR_LAW_COUNT][3][2];
+  sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
+} sdr_precise_kernels;
+
 extern const sdr_bond_kernels sdr_bond_kernels_baseline;
+extern const sdr_precise_kernels sdr_precise_kernels_baseline;
 #ifdef SDR_HAVE_X86_KERNELS
 extern const sdr_bond_kernels sdr_bond_kernels_avx2, sdr_bond_kernels_avx512;
+extern const sdr_precise_kernels sdr_precise_kernels_avx2, sdr_precise_kernels_avx512;
 #endif
 
 /* The kernels for the best instruction set that this processor and sdr_isa_limit allow. */
 const sdr_bond_kernels *sdr_bond_kernels_best(void);
+const sdr_precise_kernels *sdr_precise_kernels_best(void);
 
 /* Lower the instruction set: "avx512", "avx2", "baseline". SDR_BAD_INPUT for another name or one
    that this processor lacks. */

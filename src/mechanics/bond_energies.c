@@ -17,19 +17,13 @@ static void energies_of_slot(const sdr_bond_body *body, const sdr_pair *pair, do
 {
   if (pair->weight_ij <= 0.0) return;
   const double s = sdr_pair_stretch(pair, body->points->components, u);
-  const double half = 0.5 * pair->weight_ij * sdr_body_stiffness(body, pair->i) * pair->length;
-  const double q = sdr_body_threshold(body, pair->i);
-  const sdr_pair_state state = sdr_pair_state_at(body, pair, s);
-  const double intact = 1.0 - state.damage_ij;
-  if (state.cut) return;
-  if (body->law == SDR_LAW_VARIATIONAL) {
-    sum->stored += half * (s > 0.0 ? intact * intact : 1.0) * s * s;
-    sum->dissipated += half * q * state.damage_ij * state.damage_ij;
-  } else {
-    sum->stored += half * intact * s * s;
-  }
-  sum->broken += state.damage_ij > 0.5;
-  if (state.damage_ij > sum->max_damage) sum->max_damage = state.damage_ij;
+  const double whole = pair->weight_ij * sdr_body_stiffness(body, pair->i) * pair->length;
+  const sdr_pair_answer answer = sdr_pair_answer_at(body, pair, s);
+  if (answer.cut) return;
+  sum->stored += whole * answer.ij.stored;
+  sum->dissipated += whole * answer.ij.dissipated;
+  sum->broken += answer.ij.damage > 0.5;
+  if (answer.ij.damage > sum->max_damage) sum->max_damage = answer.ij.damage;
 }
 
 typedef struct {
@@ -50,9 +44,11 @@ static void energies_of_stripe(void *context, int s)
   const sdr_bonds *bonds = model->bonds;
   const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
   sdr_stripe_energies *sum = &call->stripe[s];
+  const sdr_run_energies energies =
+      model->body.precise ? model->precise->run_energies[model->body.law][n - 1][each]
+                          : model->kernels->run_energies[model->body.law][n - 1][each];
   if (!sdr_stripe_rests(model, s))
-    model->kernels->run_energies[model->body.law][n - 1][each](
-        &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
+    energies(&model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
   if (bonds->loose.chunk_count > 0) { /* loose pairs join any stripes: theirs may not rest */
     slot_call slot = {call, sum};
     sdr_bonds_visit_stripe(bonds, model->head.points, s, visit_slot, &slot);

@@ -46,13 +46,22 @@ static void add_family_volume(const void *context, const sdr_pair *pair, int32_t
   call->sum[0][point] += call->model->head.points->volume[sign > 0.0 ? pair->j : pair->i];
 }
 
-/* Loose slots only: runs have a kernel. */
 static void add_loose_damage(void *context, const sdr_pair *pair)
 {
   const field_call *call = context;
   if (pair->weight_ij <= 0.0) return;
-  const sdr_pair_state state = sdr_pair_state_at(&call->model->body, pair, stretch(call, pair));
-  call->sum[0][pair->i] += call->model->head.points->volume[pair->j] * state.damage_ij;
+  const sdr_pair_answer answer = sdr_pair_answer_at(&call->model->body, pair, stretch(call, pair));
+  call->sum[0][pair->i] += call->model->head.points->volume[pair->j] * answer.ij.damage;
+}
+
+/* Pairs of runs, which explicit bodies have a kernel for. */
+static void add_damage(void *context, const sdr_pair *pair)
+{
+  const field_call *call = context;
+  const double *volume = call->model->head.points->volume;
+  const sdr_pair_answer answer = sdr_pair_answer_at(&call->model->body, pair, stretch(call, pair));
+  if (pair->weight_ij > 0.0) call->sum[0][pair->i] += volume[pair->j] * answer.ij.damage;
+  if (pair->weight_ji > 0.0) call->sum[0][pair->j] += volume[pair->i] * answer.ji.damage;
 }
 
 static void damage_of_stripe(void *context, int s)
@@ -62,8 +71,12 @@ static void damage_of_stripe(void *context, int s)
   const sdr_points *points = model->head.points;
   const sdr_bonds *bonds = model->bonds;
   const int each = model->body.stiffness_at != NULL;
-  model->kernels->run_damage[model->body.law][points->components - 1][each](
-      &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->sum[0]);
+  if (!model->body.precise)
+    model->kernels->run_damage[model->body.law][points->components - 1][each](
+        &model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->sum[0]);
+  else
+    for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
+      sdr_bonds_visit_run(bonds, &bonds->runs[r], add_damage, context);
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
       sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context);
@@ -74,24 +87,17 @@ static void energies_of_pair(const field_call *call, const sdr_pair *pair, doubl
                              double *dissipated)
 {
   const sdr_bond_body *body = &call->model->body;
-  const double s = stretch(call, pair);
-  const sdr_pair_state state = sdr_pair_state_at(body, pair, s);
-  const double hi = 0.5 * pair->weight_ij * pair->length * sdr_body_stiffness(body, pair->i);
-  const double hj = 0.5 * pair->weight_ji * pair->length * sdr_body_stiffness(body, pair->j);
-  const double qi = sdr_body_threshold(body, pair->i), qj = sdr_body_threshold(body, pair->j);
-  const double di = state.damage_ij, dj = state.damage_ji;
+  const sdr_pair_answer answer = sdr_pair_answer_at(body, pair, stretch(call, pair));
+  const double hi = pair->weight_ij * pair->length * sdr_body_stiffness(body, pair->i);
+  const double hj = pair->weight_ji * pair->length * sdr_body_stiffness(body, pair->j);
   *stored = *dissipated = 0.0;
-  if (state.cut) return;
-  if (body->law == SDR_LAW_VARIATIONAL) {
-    const double left_i = s > 0.0 ? (1.0 - di) * (1.0 - di) : 1.0;
-    const double left_j = s > 0.0 ? (1.0 - dj) * (1.0 - dj) : 1.0;
-    *stored = (hi * left_i + hj * left_j) * s * s;
-    *dissipated = hi * qi * di * di + hj * qj * dj * dj;
-    return;
-  }
-  *stored = (hi * (1.0 - di) + hj * (1.0 - dj)) * s * s;
+  if (answer.cut) return;
+  *stored = hi * answer.ij.stored + hj * answer.ji.stored;
+  *dissipated = hi * answer.ij.dissipated + hj * answer.ji.dissipated;
   /* What a lost bond took is known by threshold only to the step: s0^2 is the energy it held. */
-  if (body->law == SDR_LAW_CRITICAL_STRETCH) *dissipated = hi * qi * di + hj * qj * dj;
+  if (body->law == SDR_LAW_CRITICAL_STRETCH)
+    *dissipated = 0.5 * (hi * sdr_body_threshold(body, pair->i) * answer.ij.damage +
+                         hj * sdr_body_threshold(body, pair->j) * answer.ji.damage);
 }
 
 static void add_energy(const void *context, const sdr_pair *pair, int32_t point, double sign)
@@ -111,17 +117,11 @@ static void add_stress(const void *context, const sdr_pair *pair, int32_t point,
   const sdr_bond_body *body = &call->model->body;
   const int n = body->points->components;
   const double s = stretch(call, pair);
-  const sdr_pair_state state = sdr_pair_state_at(body, pair, s);
-  if (state.cut) return;
-  double left_i = 1.0 - state.damage_ij, left_j = 1.0 - state.damage_ji;
-  if (body->law == SDR_LAW_VARIATIONAL) {
-    left_i = s > 0.0 ? left_i * left_i : 1.0;
-    left_j = s > 0.0 ? left_j * left_j : 1.0;
-  }
-  const double stiffness = pair->weight_ij * left_i * sdr_body_stiffness(body, pair->i) +
-                           pair->weight_ji * left_j * sdr_body_stiffness(body, pair->j);
+  const sdr_pair_answer answer = sdr_pair_answer_at(body, pair, s);
+  const double force = pair->weight_ij * sdr_body_stiffness(body, pair->i) * answer.ij.force +
+                       pair->weight_ji * sdr_body_stiffness(body, pair->j) * answer.ji.force;
   const double l = pair->length * (1.0 + s);
-  const double factor = l > 0.0 ? stiffness * s / l : 0.0; /* C s / l; l = 0 has no direction */
+  const double factor = l > 0.0 ? force / l : 0.0; /* l = 0 has no direction */
   double f[3] = {0.0};
   (void)sign; /* f and xi both turn with the point */
   for (int a = 0; a < n; ++a)
@@ -304,11 +304,11 @@ static void visit_pair_damage(void *context, const sdr_pair *pair)
 {
   const damage_call *call = context;
   if (!pair->primary) return;
-  const sdr_pair_state state =
-      sdr_pair_state_at(&call->field.model->body, pair, stretch(&call->field, pair));
+  const sdr_pair_answer answer =
+      sdr_pair_answer_at(&call->field.model->body, pair, stretch(&call->field, pair));
   const double ni = pair->weight_ij > 0.0 ? 1.0 : 0.0, nj = pair->weight_ji > 0.0 ? 1.0 : 0.0;
   call->visit(call->context, pair->i, pair->j,
-              (ni * state.damage_ij + nj * state.damage_ji) / (ni + nj));
+              (ni * answer.ij.damage + nj * answer.ji.damage) / (ni + nj));
 }
 
 void sdr_bond_visit_damage(sdr_model *model, double *const u[3],

@@ -2,6 +2,7 @@
 #ifndef SDR_MECHANICS_BOND_INTERNAL_H
 #define SDR_MECHANICS_BOND_INTERNAL_H
 
+#include "damage/bond_law.h"
 #include "mechanics/bond_based.h"
 #include "mechanics/bond_body.h"
 
@@ -10,6 +11,7 @@ typedef struct {
   sdr_bonds *bonds;
   sdr_bond_body body;
   const sdr_bond_kernels *kernels;
+  const sdr_precise_kernels *precise; /* at work if body.precise */
   double
       *family_volume; /* a point: sum of V_j over H_i, m^3; made when damage is first asked for */
   uint8_t *moved;     /* a stripe: 1 once some displacement in it was not zero */
@@ -17,7 +19,7 @@ typedef struct {
   double *booked;     /* a stripe: energy of bonds lost so far, J (critical_stretch) */
 } sdr_bond_model;
 
-/* C and q of point i. */
+/* C, q and r of point i. */
 static inline double sdr_body_stiffness(const sdr_bond_body *body, int32_t i)
 {
   return body->stiffness_at ? body->stiffness_at[i] : body->stiffness;
@@ -27,15 +29,22 @@ static inline double sdr_body_threshold(const sdr_bond_body *body, int32_t i)
   return body->threshold_at ? body->threshold_at[i] : body->threshold;
 }
 
+static inline double sdr_body_decline(const sdr_bond_body *body, int32_t i)
+{
+  return body->decline_at ? body->decline_at[i] : body->decline;
+}
+
 /* Stretch of a pair at u. */
 double sdr_pair_stretch(const sdr_pair *pair, int components, double *const u[3]);
 
-/* What the history says of a pair, taking in its present stretch s. */
+/* What both directed bonds of a pair answer at stretch s, their history taking it in. Bonds that
+   critical stretch has not lost yet answer whole, however far they are stretched. Those cut at the
+   start have damage 1. */
 typedef struct {
-  double damage_ij, damage_ji; /* 1: lost or cut */
-  int cut, is_protected;
-} sdr_pair_state;
-sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s);
+  sdr_bond_answer ij, ji;
+  int cut;
+} sdr_pair_answer;
+sdr_pair_answer sdr_pair_answer_at(const sdr_bond_body *body, const sdr_pair *pair, double s);
 
 /* Loose chunks of a stripe: [*first, *end). */
 void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end);
@@ -57,6 +66,7 @@ void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *
 sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
 
 /* Parts of the model in their own files. */
+void sdr_bond_precise_force(sdr_bond_model *model, double *const u[3], double *const f[3]);
 void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out);
 sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out);
 void sdr_bond_visit_damage(sdr_model *model, double *const u[3],
@@ -70,6 +80,10 @@ sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *
 sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
 sdr_status sdr_bond_visit_hessian(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
                                   void *context);
+
+sdr_status sdr_bond_visit_secant(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                                 void *context);
+int64_t sdr_bond_break_most(sdr_model *model, double *const u[3], double share);
 
 /* Book the energy of freshly lost bonds of stripe s (critical_stretch). */
 void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt);

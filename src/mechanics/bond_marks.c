@@ -23,7 +23,10 @@ static void mark_pair(void *context, const sdr_pair *pair)
   const int mark = call->mark(call->context, a, b);
   if (mark == 0) return;
   if (pair->loose) call->any_loose = 1;
-  if (body->law == SDR_LAW_VARIATIONAL)
+  if (body->precise && sdr_law_softens((int)body->law))
+    (pair->loose ? body->loose_history : body->history)[pair->slot] =
+        mark == SDR_CUT ? (double)SDR_STRETCH_CUT : (double)SDR_STRETCH_PROTECTED;
+  else if (sdr_law_softens((int)body->law))
     (pair->loose ? body->loose_stretch : body->stretch)[pair->slot] =
         mark == SDR_CUT ? SDR_STRETCH_CUT : SDR_STRETCH_PROTECTED;
   else
@@ -36,7 +39,10 @@ static void mark_pair(void *context, const sdr_pair *pair)
 static int run_has_mark(const sdr_bond_body *body, const sdr_bond_run *run)
 {
   for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot)
-    if (body->stretch ? body->stretch[slot] < 0.0f : body->flags[slot] >= SDR_CUT) return 1;
+    if (body->history   ? body->history[slot] < 0.0
+        : body->stretch ? body->stretch[slot] < 0.0f
+                        : body->flags[slot] >= SDR_CUT)
+      return 1;
   return 0;
 }
 

@@ -17,26 +17,38 @@ double sdr_pair_stretch(const sdr_pair *pair, int components, double *const u[3]
   return z / (1.0 + sqrt(fmax(1.0 + z, 1e-200)));
 }
 
-static sdr_pair_state variational_state(const sdr_bond_body *body, const sdr_pair *pair, double s,
-                                        float k)
+static sdr_bond_answer whole(double s)
 {
-  if (k == SDR_STRETCH_CUT) return (sdr_pair_state){1.0, 1.0, 1, 0};
-  if (k == SDR_STRETCH_PROTECTED) return (sdr_pair_state){0.0, 0.0, 0, 1};
-  const float now = (float)s, grown = k > now ? k : now;
-  return (sdr_pair_state){sdr_variational_damage(grown, sdr_body_threshold(body, pair->i)),
-                          sdr_variational_damage(grown, sdr_body_threshold(body, pair->j)), 0, 0};
+  return sdr_bond_law(SDR_LAW_NONE, s, 0.0, 1.0, 1.0);
 }
 
-sdr_pair_state sdr_pair_state_at(const sdr_bond_body *body, const sdr_pair *pair, double s)
+/* The history is a stretch. Explicit bodies keep it as a float, and answer as with that float. */
+static sdr_pair_answer softening_answer(const sdr_bond_body *body, const sdr_pair *pair, double s)
 {
-  const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
+  const double before =
+      body->precise ? (pair->loose ? body->loose_history : body->history)[pair->slot]
+                    : (double)(pair->loose ? body->loose_stretch : body->stretch)[pair->slot];
+  if (before == (double)SDR_STRETCH_CUT)
+    return (sdr_pair_answer){sdr_bond_lost(), sdr_bond_lost(), 1};
+  if (before < 0.0) return (sdr_pair_answer){whole(s), whole(s), 0};
+  const double now = body->precise ? s : (double)(float)s;
+  const int loading = s > 0.0 && now >= before;
+  const double k = loading ? now : before;
+  const int32_t i = pair->i, j = pair->j;
+  return (sdr_pair_answer){sdr_bond_law_at((int)body->law, s, k, loading,
+                                           sdr_body_threshold(body, i), sdr_body_decline(body, i)),
+                           sdr_bond_law_at((int)body->law, s, k, loading,
+                                           sdr_body_threshold(body, j), sdr_body_decline(body, j)),
+                           0};
+}
+
+sdr_pair_answer sdr_pair_answer_at(const sdr_bond_body *body, const sdr_pair *pair, double s)
+{
+  if (sdr_law_softens((int)body->law)) return softening_answer(body, pair, s);
   const sdr_flags *flags = pair->loose ? body->loose_flags : body->flags;
-  if (body->law == SDR_LAW_VARIATIONAL)
-    return variational_state(body, pair, s, stretch[pair->slot]);
-  if (!flags) return (sdr_pair_state){0.0, 0.0, 0, 0};
-  const sdr_flags flag = flags[pair->slot];
-  return (sdr_pair_state){sdr_flag_damage(flag, SDR_LOST_I), sdr_flag_damage(flag, SDR_LOST_J),
-                          (flag & SDR_CUT) != 0, (flag & SDR_PROTECTED) != 0};
+  const sdr_flags flag = flags ? flags[pair->slot] : 0;
+  return (sdr_pair_answer){flag & SDR_LOST_I ? sdr_bond_lost() : whole(s),
+                           flag & SDR_LOST_J ? sdr_bond_lost() : whole(s), (flag & SDR_CUT) != 0};
 }
 
 void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end)

@@ -56,31 +56,31 @@ void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *cons
 
 /* ---- exact ----------------------------------------------------------------------------------- */
 
-/* Force F(s) of one directed bond and its slope dF/ds, both over w C. */
-static void directed_law(const sdr_bond_body *body, const sdr_pair *pair, int lost, double s,
-                         double q, double *force, double *slope)
+/* Force and slope of both directed bonds as the model's force has them: explicit bodies lose a bond
+   of critical stretch in the force itself, precise ones when they commit. */
+static sdr_pair_answer answer_of_force(const sdr_bond_body *body, const sdr_pair *pair, double s)
 {
-  const float *stretch = pair->loose ? body->loose_stretch : body->stretch;
-  const sdr_flags *flags = pair->loose ? body->loose_flags : body->flags;
-  *force = s;
-  *slope = 1.0;
-  if (body->law != SDR_LAW_VARIATIONAL) {
-    if (!flags) return;
-    sdr_flags flag = flags[pair->slot];
-    if (body->law == SDR_LAW_CRITICAL_STRETCH && !(flag & SDR_PROTECTED) &&
-        sdr_critical_breaks(s, q))
-      flag = (flag | lost); /* as the force sees it */
-    if (flag & lost) *force = *slope = 0.0;
-    return;
+  sdr_pair_answer answer = sdr_pair_answer_at(body, pair, s);
+  if (body->precise || body->law != SDR_LAW_CRITICAL_STRETCH) return answer;
+  const sdr_flags flags = (pair->loose ? body->loose_flags : body->flags)[pair->slot];
+  if (flags & SDR_PROTECTED) return answer;
+  if (sdr_critical_breaks(s, sdr_body_threshold(body, pair->i))) answer.ij = sdr_bond_lost();
+  if (sdr_critical_breaks(s, sdr_body_threshold(body, pair->j))) answer.ji = sdr_bond_lost();
+  return answer;
+}
+
+/* Unit vector from i to j as they are now; returns their distance. */
+static double present_direction(const tangent_call *call, const sdr_pair *pair, double n[3])
+{
+  const int components = call->model->head.points->components;
+  double square = 0.0;
+  for (int c = 0; c < components; ++c) {
+    n[c] = pair->xi[c] + call->u[c][pair->j] - call->u[c][pair->i];
+    square += n[c] * n[c];
   }
-  const float k = stretch[pair->slot];
-  if (k == SDR_STRETCH_CUT) *force = *slope = 0.0;
-  if (k < 0.0f || s <= 0.0) return;
-  const int loading = (float)s >= k;
-  const double largest = loading ? (double)(float)s : (double)k, kk = largest * largest;
-  const double intact = sdr_variational_intact(kk, q);
-  *force = intact * intact * s;
-  *slope = loading ? sdr_variational_tangent(kk, q) : intact * intact;
+  const double l = sqrt(square);
+  for (int c = 0; c < components && l > 0.0; ++c) n[c] /= l;
+  return l;
 }
 
 /* K = A n (x) n + B (I - n (x) n) of a pair: A = dF/dl, B = F/l. Gives l = 0 no stiffness. */
@@ -88,23 +88,15 @@ static void pair_tangent(const tangent_call *call, const sdr_pair *pair, double 
                          double *b)
 {
   const sdr_bond_body *body = &call->model->body;
-  const int components = body->points->components;
-  const double s = sdr_pair_stretch(pair, components, call->u);
-  double force_i, slope_i, force_j, slope_j, l = 0.0;
-  directed_law(body, pair, SDR_LOST_I, s, sdr_body_threshold(body, pair->i), &force_i, &slope_i);
-  directed_law(body, pair, SDR_LOST_J, s, sdr_body_threshold(body, pair->j), &force_j, &slope_j);
+  const double s = sdr_pair_stretch(pair, body->points->components, call->u);
+  const sdr_pair_answer answer = answer_of_force(body, pair, s);
+  const double l = present_direction(call, pair, n);
   const double ci = pair->weight_ij * sdr_body_stiffness(body, pair->i);
   const double cj = pair->weight_ji * sdr_body_stiffness(body, pair->j);
-  for (int c = 0; c < components; ++c) {
-    n[c] = pair->xi[c] + call->u[c][pair->j] - call->u[c][pair->i];
-    l += n[c] * n[c];
-  }
-  l = sqrt(l);
   *a = *b = 0.0;
   if (l <= 0.0) return;
-  for (int c = 0; c < components; ++c) n[c] /= l;
-  *a = (ci * slope_i + cj * slope_j) / pair->length;
-  *b = (ci * force_i + cj * force_j) / l;
+  *a = (ci * answer.ij.slope + cj * answer.ji.slope) / pair->length;
+  *b = (ci * answer.ij.force + cj * answer.ji.force) / l;
 }
 
 static void tangent_of_pair(void *context, const sdr_pair *pair)
@@ -178,15 +170,13 @@ typedef struct {
   void *context;
 } hessian_call;
 
-/* [K -K; -K K] over the components of i, then of j. */
-static void hessian_of_pair(void *context, const sdr_pair *pair)
+/* Hand out [K -K; -K K] over the components of i, then of j, with K = b I + (a - b) n (x) n. */
+static void visit_block(const hessian_call *h, const sdr_pair *pair, const double n[3], double a,
+                        double b)
 {
-  const hessian_call *h = context;
   const int m = h->call.model->head.points->components;
   const int32_t ends[2] = {pair->i, pair->j};
-  double n[3], a, b, block[36];
-  if (!pair->primary) return;
-  pair_tangent(&h->call, pair, n, &a, &b);
+  double block[36];
   for (int r = 0; r < m; ++r)
     for (int c = 0; c < m; ++c) {
       const double k = (r == c ? b : 0.0) + (a - b) * n[r] * n[c];
@@ -196,10 +186,45 @@ static void hessian_of_pair(void *context, const sdr_pair *pair)
   h->visit(h->context, 2, ends, block);
 }
 
+static void hessian_of_pair(void *context, const sdr_pair *pair)
+{
+  const hessian_call *h = context;
+  double n[3], a, b;
+  if (!pair->primary) return;
+  pair_tangent(&h->call, pair, n, &a, &b);
+  visit_block(h, pair, n, a, b);
+}
+
 sdr_status sdr_bond_visit_hessian(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
                                   void *context)
 {
   hessian_call h = {.call = {.model = (sdr_bond_model *)model, .u = u}, visit, context};
   sdr_bonds_visit(h.call.model->bonds, model->points, hessian_of_pair, &h);
+  return SDR_OK;
+}
+
+/* K = (F/s)/|xi| n (x) n: stretching only, with the stiffness that damage leaves. */
+static void secant_of_pair(void *context, const sdr_pair *pair)
+{
+  const hessian_call *h = context;
+  const sdr_bond_body *body = &h->call.model->body;
+  if (!pair->primary) return;
+  const double s = sdr_pair_stretch(pair, body->points->components, h->call.u);
+  const sdr_pair_answer answer = answer_of_force(body, pair, s);
+  const double left_i = s != 0.0 ? answer.ij.force / s : answer.ij.slope;
+  const double left_j = s != 0.0 ? answer.ji.force / s : answer.ji.slope;
+  double n[3];
+  const double l = present_direction(&h->call, pair, n);
+  const double a = (pair->weight_ij * sdr_body_stiffness(body, pair->i) * left_i +
+                    pair->weight_ji * sdr_body_stiffness(body, pair->j) * left_j) /
+                   pair->length;
+  visit_block(h, pair, n, l > 0.0 ? a : 0.0, 0.0);
+}
+
+sdr_status sdr_bond_visit_secant(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
+                                 void *context)
+{
+  hessian_call h = {.call = {.model = (sdr_bond_model *)model, .u = u}, visit, context};
+  sdr_bonds_visit(h.call.model->bonds, model->points, secant_of_pair, &h);
   return SDR_OK;
 }

@@ -37,6 +37,16 @@ const sdr_bond_kernels *sdr_bond_kernels_best(void)
   return &sdr_bond_kernels_baseline;
 }
 
+const sdr_precise_kernels *sdr_precise_kernels_best(void)
+{
+#ifdef SDR_HAVE_X86_KERNELS
+  const int level = sdr_isa_level();
+  if (level == 2) return &sdr_precise_kernels_avx512;
+  if (level == 1) return &sdr_precise_kernels_avx2;
+#endif
+  return &sdr_precise_kernels_baseline;
+}
+
 sdr_status sdr_isa_limit(const char *name)
 {
   static const char *const names[3] = {"baseline", "avx2", "avx512"};

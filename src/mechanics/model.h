@@ -111,6 +111,11 @@ typedef struct {
   sdr_status (*visit_secant)(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
                              void *context);
 
+  /* Critical stretch under static loads: of the bonds that u stretches beyond their s0, lose those
+     with s/s0 above `share` of the largest, and book their energy at u. Returns how many directed
+     bonds are lost by this; 0: none is overstretched. NULL: the model breaks in commit only. */
+  int64_t (*break_most)(sdr_model *model, double *const u[3], double share);
+
   /* Mean force of a step from the committed state u0 to u1 (theory sec. 7): its work along u1 - u0
      is exactly minus what the energy, dissipated included, grows by, and it balances linear and
      angular momentum. Changes nothing in the model. NULL: the model has none. */

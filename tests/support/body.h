@@ -29,7 +29,8 @@ typedef struct {
   double scatter;    /* of Young's modulus, share */
   int two_materials; /* points with x > 0 have 3 times the toughness and half the modulus */
   int force_loose;
-  int mixed; /* explicit forces of runs in float */
+  int mixed;   /* explicit forces of runs in float */
+  int precise; /* histories in double, as implicit integrators want them */
 } body_how;
 
 typedef struct {
@@ -129,6 +130,7 @@ static inline body body_create_kept(const body_how *how, int (*keep)(const int32
   const sdr_bond_based_how model_how = {.dimension = how->dimension,
                                         .law = how->law,
                                         .mixed = how->mixed,
+                                        .precise = how->precise,
                                         .ell = {how->ell > 0.0 ? how->ell : 1.0, 1},
                                         .young = b.young,
                                         .toughness = b.toughness};
