@@ -201,10 +201,10 @@ static void a_full_disk_is_an_io_error_and_leaves_whole_frames_and_rows_only(voi
              " -o full --set output.checkpoint.every='20 us' 2>&1) | cat >&2; test -d full",
              cases[k].blocks);
     shell(&s, command);
-    assert_int_equal(s.code, 0);
-    assert_string_equal(s.out, "");
     snprintf(text, sizeof text, "sunder: cannot write full/%s: File too large\n", cases[k].file);
     assert_string_equal(s.err, text);
+    assert_string_equal(s.out, "");
+    assert_int_equal(s.code, 0);
     assert_false(exists("full/summary.json"));
     assert_false(exists("full/checkpoint.h5.part"));
     const int frames = whole_frames("full/snapshots.h5");
