@@ -251,6 +251,15 @@ void sdr_system_state(sdr_system *system, sdr_state_block *blocks, int *count)
   *count = n;
 }
 
+double sdr_system_reaction(const sdr_system *system, int support, int component)
+{
+  const sdr_prescribed *list = sdr_supports_list(system->supports);
+  double sum = system->layers ? sdr_layers_reaction(system->layers, support, component) : 0.0;
+  for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
+    if (list[k].support == support && list[k].component == component) sum += system->reaction[k];
+  return sum;
+}
+
 /* ---- energies and momenta -------------------------------------------------------------------- */
 
 typedef struct {

@@ -27,6 +27,18 @@ typedef struct {
   int64_t fallbacks; /* statics: times that motion had to find the next equilibrium */
 } sdr_solve_record;
 
+/* What a method that chooses its steps did since the start, or since a resume (name NULL: none). */
+typedef struct {
+  const char *name, *solver;  /* of the method; of its linear solver, NULL: none */
+  int64_t steps, evaluations; /* of the force */
+  int64_t iterations, linear_iterations;
+  int64_t error_failures, iteration_failures; /* steps taken back */
+  int64_t tangents, factors;
+  int64_t unknowns; /* of the linear system */
+  int order;        /* of the last step */
+  double last_step; /* s */
+} sdr_method_record;
+
 typedef struct {
   int32_t count;
   int components;
@@ -42,6 +54,7 @@ typedef struct {
   void *work;                /* the integrator's own; NULL: none */
   void (*end_work)(void *work);
   sdr_solve_record solve;
+  sdr_method_record method;
 
   sdr_model *model;
   sdr_loads *loads;
@@ -89,6 +102,10 @@ sdr_status sdr_system_start(sdr_system *system, double dt);
    prescribed for the next step of length dt_next. Books the work and impulse of the step as the
    trapezoid that leapfrog satisfies exactly. */
 sdr_status sdr_system_force(sdr_system *system, double dt, double dt_next, double kick);
+
+/* What a support (its index in the scene) exerts along a component, N: the sum over its points, and
+   what its layer pulled with. */
+double sdr_system_reaction(const sdr_system *system, int support, int component);
 
 void sdr_system_balance(sdr_system *system, sdr_balance *out);
 

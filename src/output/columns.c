@@ -134,16 +134,6 @@ const char *sdr_columns_name(const sdr_columns *columns, int k)
   return columns->columns[k].name;
 }
 
-static double sum_reaction(const column *c, const sdr_system *system)
-{
-  const int32_t count = sdr_supports_count(system->supports);
-  const sdr_prescribed *list = sdr_supports_list(system->supports);
-  double sum = system->layers ? sdr_layers_reaction(system->layers, c->support, c->part) : 0.0;
-  for (int32_t k = 0; k < count; ++k)
-    if (list[k].support == c->support && list[k].component == c->part) sum += system->reaction[k];
-  return sum;
-}
-
 /* Column k is the first that shows its field. */
 static int first_of_field(const sdr_columns *columns, int k)
 {
@@ -165,6 +155,6 @@ sdr_status sdr_columns_values(sdr_columns *columns, sdr_system *system, double *
     }
   }
   for (int k = columns->probe_columns; k < columns->count; ++k)
-    values[k] = sum_reaction(&columns->columns[k], system);
+    values[k] = sdr_system_reaction(system, columns->columns[k].support, columns->columns[k].part);
   return SDR_OK;
 }

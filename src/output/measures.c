@@ -19,6 +19,7 @@ typedef struct {
 typedef struct {
   const sdr_measurement *what;
   int32_t count; /* 0: a quantity of the body */
+  int support;   /* whose reaction it is; -1: none's */
   int32_t *point;
 } gauge;
 
@@ -40,9 +41,11 @@ static measures *of(sdr_observer *observer)
 
 /* ---- when ------------------------------------------------------------------------------------ */
 
-/* The present step is the one nearest to `at`. */
+/* The present step is the one nearest to `at`; of steps chosen on the way the first that is not
+   earlier. */
 static int is_nearest(const sdr_moment *moment, double at)
 {
+  if (moment->steps == 0) return moment->time >= at * (1.0 - 1e-12) || moment->last;
   const double half = 0.5 * moment->step_size;
   if (moment->step == 0) return at <= half;
   const int reached = moment->time + half >= at * (1.0 - 1e-12);
@@ -69,7 +72,7 @@ static int due(const sdr_observer *observer, const sdr_moment *moment, int *want
   for (int k = 0; k < m->count; ++k) {
     if (!is_due(m->gauges[k].what, &m->tallies[k], moment)) continue;
     any = 1;
-    if (m->gauges[k].what->quantity[0]) *wants_balance = 1;
+    if (m->gauges[k].what->quantity[0] && m->gauges[k].support < 0) *wants_balance = 1;
   }
   return any;
 }
@@ -195,6 +198,11 @@ static sdr_status look_at_body(measures *m, int k, const sdr_moment *moment)
 {
   const double nowhere[3] = {0.0};
   const sdr_measurement *what = m->gauges[k].what;
+  if (m->gauges[k].support >= 0) {
+    const double reaction =
+        sdr_system_reaction(moment->system, m->gauges[k].support, what->component);
+    return add(&m->tallies[k], what, nowhere, moment->time, 1.0, reaction);
+  }
   sdr_ledger_book(m->ledger, moment);
   const sdr_books books = sdr_ledger_books(m->ledger);
   return add(&m->tallies[k], what, nowhere, moment->time, 1.0, quantity(&books, what->quantity));
@@ -312,13 +320,28 @@ static sdr_status check_table(const sdr_scene *scene, const sdr_points *points, 
   return SDR_OK;
 }
 
+static sdr_status choose_support(const sdr_scene *scene, gauge *g)
+{
+  const sdr_measurement *what = g->what;
+  for (int k = 0; k < scene->support_count && g->support < 0; ++k)
+    if (strcmp(scene->support[k].name, what->support) == 0) g->support = k;
+  if (g->support < 0)
+    return sdr_fail(SDR_BAD_INPUT, "%s: measure %s: no support has the name '%s'",
+                    sdr_origin_text(what->origin), what->name, what->support);
+  if (scene->support[g->support].kind[what->component] != SDR_FREE) return SDR_OK;
+  return sdr_fail(SDR_BAD_INPUT, "%s: measure %s: the support '%s' leaves %c free",
+                  sdr_origin_text(what->origin), what->name, what->support, "xyz"[what->component]);
+}
+
 static sdr_status set_gauge(const sdr_scene *scene, const sdr_points *points, int64_t steps,
                             gauge *g)
 {
   const sdr_measurement *what = g->what;
-  if (!what->over_time && what->at.relative && what->at.value > (double)steps)
+  if (!what->over_time && what->at.relative && steps > 0 && what->at.value > (double)steps)
     return sdr_fail(SDR_BAD_INPUT, "%s: measure %s: the run has %lld steps, so none has number %g",
                     sdr_origin_text(what->origin), what->name, (long long)steps, what->at.value);
+  g->support = -1;
+  if (what->support[0]) SDR_TRY(choose_support(scene, g));
   if (!what->quantity[0])
     SDR_TRY(what->at_point ? choose_point(points, g) : choose_places(scene, points, g));
   return check_table(scene, points, g);

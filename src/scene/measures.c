@@ -27,11 +27,20 @@ static const struct {
               {SCALAR, {1, 0, 0, 0}},   {SCALAR, {1, 0, 0, 0}},   {SCALAR, {0, 0, 0, 0}}};
 
 /* Of the body as a whole, as in the ledger (output/ledger.h). */
-static const char *const quantity_names[] = {
-    "kinetic",          "stored",     "dissipated",         "viscous",
-    "external_work",    "imbalance",  "imbalance_relative", "momentum_linear",
-    "momentum_angular", "max_damage", "broken_bonds",       NULL};
-enum { ENERGY_QUANTITIES = 6 }; /* the first ones; the others are plain numbers */
+static const char *const quantity_names[] = {"kinetic",
+                                             "stored",
+                                             "dissipated",
+                                             "viscous",
+                                             "external_work",
+                                             "imbalance",
+                                             "imbalance_relative",
+                                             "momentum_linear",
+                                             "momentum_angular",
+                                             "max_damage",
+                                             "broken_bonds",
+                                             "reaction",
+                                             NULL};
+enum { ENERGY_QUANTITIES = 6, REACTION = 11 }; /* energies come first; most others are numbers */
 
 static const char *const kinds[] = {"value", "mean",     "min",       "max",
                                     "sum",   "l2_error", "max_error", NULL};
@@ -234,6 +243,23 @@ static void read_of_points(sdr_reading *rd, sdr_node *item, sdr_measurement *m)
   sdr_read_done(rd->reader, item);
 }
 
+/* Which support's reaction, N: its name is looked up when the body is built. */
+static void read_support(sdr_reading *rd, sdr_node *item, sdr_measurement *m)
+{
+  const sdr_node *node = sdr_read_value(rd->reader, item, "support", NULL, "the name of a support");
+  if (node && sdr_read_is_name(rd->reader, node->text, node->origin, "a support"))
+    snprintf(m->support, sizeof m->support, "%s", node->text);
+  read_component(rd, item, VECTOR, &m->component);
+  if (m->component < 0)
+    sdr_read_error(rd->reader, item->origin, "a reaction is measured by component: x, y or z");
+}
+
+static sdr_unit unit_of_quantity(int which)
+{
+  if (which == REACTION) return (sdr_unit){1, 1, -2, 0};
+  return which < ENERGY_QUANTITIES ? (sdr_unit){2, 1, -2, 0} : SDR_PLAIN;
+}
+
 static void read_of_body(sdr_reading *rd, sdr_node *item, sdr_measurement *m)
 {
   int which;
@@ -242,12 +268,12 @@ static void read_of_body(sdr_reading *rd, sdr_node *item, sdr_measurement *m)
   if (field)
     sdr_read_error(rd->reader, field->key_origin,
                    "a measure has a 'field' of points or a 'quantity' of the body, not both");
-  const sdr_unit energy = {2, 1, -2, 0};
   if (!sdr_read_word(rd->reader, item, "quantity", quantity_names, NULL, NULL, &which)) return;
   snprintf(m->quantity, sizeof m->quantity, "%s", quantity_names[which]);
   if (m->kind == SDR_MEASURE_SUM)
     sdr_read_error(rd->reader, item->origin, "a quantity of the body has no sum; take its value");
-  read_exact(rd, item, which < ENERGY_QUANTITIES ? energy : SDR_PLAIN, SDR_USES_TIME, m);
+  if (which == REACTION) read_support(rd, item, m);
+  read_exact(rd, item, unit_of_quantity(which), SDR_USES_TIME, m);
   if (m->exact.rows > 0 && m->exact.by != 't')
     sdr_read_error(rd->reader, item->origin, "a quantity of the body has no place: give by: t");
   read_when(rd, item, m);

@@ -214,12 +214,20 @@ typedef struct {
 /* ---- time and output ------------------------------------------------------------------------- */
 
 typedef struct {
-  char integrator[SDR_NAME_MAX]; /* "leapfrog", "static" */
-  char solver[16];               /* of linear equations, "auto", "cholmod", ...; static only */
+  char integrator[SDR_NAME_MAX]; /* "leapfrog", "static", "cvode", ... */
+  char solver[16];               /* of linear equations, "auto", "cholmod", ...; implicit ones */
   double step;                   /* s; NAN: automatic */
   double safety;                 /* share of the stability limit an automatic step takes; 0.9 */
   double end;                    /* s */
   int allow_unstable;            /* 1: a step above the limit only warns */
+  int linear;                    /* static: 1: one linear solution; 0: increments */
+  /* Of integrators that control their error. */
+  int adams;                     /* cvode: 1 Adams, 0 BDF */
+  int order;                     /* the largest that it may take; 0: the method's own */
+  double tolerance;              /* relative */
+  double tolerance_displacement; /* m; NAN: automatic */
+  double tolerance_velocity;     /* m/s; NAN: automatic */
+  double viscosity;              /* s; ida: of massless points, over their stiffness */
   sdr_origin origin, step_origin;
 } sdr_time_scene;
 
@@ -259,6 +267,7 @@ typedef struct {
   char field[24];    /* of points; "": none */
   int component;     /* of the field, in the order of sdr_model_field; -1: length of the vector */
   char quantity[24]; /* of the whole body; "": none */
+  char support[SDR_NAME_MAX]; /* quantity reaction: which support's */
   int at_point;      /* 1: the point nearest to `point`; 0: those of `on` */
   double point[3];
   sdr_place on;

@@ -52,6 +52,35 @@ static void a_run_has_one_step_and_says_what_it_solved(void **state)
   json_decref(summary);
 }
 
+#define MEASURED(what) "sunder run plate.yaml --quiet --set output.measures='{pull: {" what "}}'"
+
+static void a_support_s_reaction_can_be_measured(void **state)
+{
+  (void)state;
+  said s;
+  write_text("plate.yaml", scene);
+  succeed(&s, MEASURED("kind: value, quantity: reaction, support: wall, component: x"));
+  json_t *summary = json_load_file("out/plate/summary.json", 0, NULL);
+  assert_non_null(summary);
+  const json_t *figure = json_object_get(json_object_get(summary, "figures"), "pull");
+  assert_true(fabs(number(figure, "value") + 1e3 * 0.02) < 1e-8 * 20.0);
+  json_decref(summary);
+  shell(&s, MEASURED("kind: value, quantity: reaction, support: floor, component: x"));
+  assert_int_equal(s.code, 1);
+  assert_non_null(strstr(s.err, "measure pull: no support has the name 'floor'"));
+  shell(&s, MEASURED("kind: value, quantity: reaction, support: wall, component: norm"));
+  assert_int_equal(s.code, 1);
+  assert_non_null(strstr(s.err, "a reaction is measured by component: x, y or z"));
+  shell(
+      &s,
+      MEASURED(
+          "kind: value, quantity: reaction, support: wall, component: y") " --set "
+                                                                          "supports.0.displacement="
+                                                                          "'{x: 0}'");
+  assert_int_equal(s.code, 1);
+  assert_non_null(strstr(s.err, "measure pull: the support 'wall' leaves y free"));
+}
+
 /* The row before the loads and the one with them; the wall takes what the traction gives. */
 static void its_history_has_two_rows_with_the_reactions(void **state)
 {
@@ -123,6 +152,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_run_has_one_step_and_says_what_it_solved),
+      cmocka_unit_test(a_support_s_reaction_can_be_measured),
       cmocka_unit_test(its_history_has_two_rows_with_the_reactions),
       cmocka_unit_test(check_says_what_would_be_solved),
       cmocka_unit_test(used_yaml_runs_again),
