@@ -15,6 +15,7 @@ static void read_steps(sdr_reading *rd, sdr_node *map)
   sdr_read_number(r, map, "safety", (sdr_quantity){SDR_PLAIN, 0, 1, 1, 0}, "0.9", &time->safety);
   sdr_read_number(r, map, "end", SDR_ABOVE_ZERO(SDR_TIME), NULL, &time->end);
   sdr_read_flag(r, map, "allow_unstable", "false", &time->allow_unstable);
+  sdr_allow_adaptive(rd, map);
 }
 
 /* One step, as long as the run. What belongs to other integrators may stand there for a variant of
@@ -33,6 +34,7 @@ static void read_static(sdr_reading *rd, sdr_node *map)
                      &time->step);
   sdr_read_allow(r, map, "safety");
   sdr_read_allow(r, map, "allow_unstable");
+  sdr_allow_adaptive(rd, map);
   const sdr_node *node = sdr_node_find(map, "integrator");
   const sdr_origin origin = node ? node->origin : map->origin;
   if (scene->damage.law != SDR_LAW_NONE)
@@ -46,8 +48,8 @@ static void read_static(sdr_reading *rd, sdr_node *map)
 
 void sdr_read_time(sdr_reading *rd)
 {
-  static const char *const integrators[] = {"leapfrog", "static", NULL};
-  static const char *const later[] = {"energy_momentum", "cvode", "ida", NULL};
+  static const char *const integrators[] = {"leapfrog", "static", "cvode", NULL};
+  static const char *const later[] = {"energy_momentum", "ida", NULL};
   sdr_reader *r = rd->reader;
   sdr_time_scene *time = &rd->scene->time;
   int integrator = 0;
@@ -59,10 +61,12 @@ void sdr_read_time(sdr_reading *rd)
   snprintf(time->integrator, sizeof time->integrator, "%s", integrators[integrator]);
   const sdr_node *step = sdr_node_find(map, "step");
   time->step_origin = step ? step->origin : map->origin;
-  if (integrator == 1)
+  if (strcmp(time->integrator, "static") == 0)
     read_static(rd, map);
-  else
+  else if (strcmp(time->integrator, "leapfrog") == 0)
     read_steps(rd, map);
+  else
+    sdr_read_adaptive(rd, map);
   sdr_read_done(r, map);
 }
 

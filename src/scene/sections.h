@@ -62,6 +62,10 @@ void sdr_read_initial(sdr_reading *reading);
 void sdr_read_loads(sdr_reading *reading);
 void sdr_read_supports(sdr_reading *reading);
 void sdr_read_time(sdr_reading *reading);
+/* The mapping `time` of one that chooses its steps; its keys, where another integrator reads them.
+   adaptive.c */
+void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);
+void sdr_allow_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */
 void sdr_read_measures(sdr_reading *reading, sdr_node *output);

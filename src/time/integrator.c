@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-static const sdr_integrator *const integrators[] = {&sdr_leapfrog, &sdr_static};
+static const sdr_integrator *const integrators[] = {&sdr_leapfrog, &sdr_static, &sdr_cvode};
 
 const sdr_integrator *sdr_integrator_find(const char *name)
 {

@@ -24,6 +24,7 @@ typedef struct {
 } sdr_integrator;
 
 extern const sdr_integrator sdr_leapfrog, sdr_static;
+extern const sdr_integrator sdr_cvode;
 
 /* The integrator of that name; NULL: none. */
 const sdr_integrator *sdr_integrator_find(const char *name);
