@@ -163,11 +163,16 @@ static void choose_longest(sdr_built *built)
 
 static sdr_status choose_step(sdr_built *built)
 {
-  if (built->integrator->is_static) {
+  const sdr_time_scene *time = &built->scene->time;
+  if (time->linear) {
     choose_static(built);
     return SDR_OK;
   }
-  const sdr_time_scene *time = &built->scene->time;
+  built->stable_step = (double)NAN;
+  if (built->integrator->is_static) {
+    choose_longest(built);
+    return SDR_OK;
+  }
   SDR_TRY(sdr_stable_step(built->system, &built->stable_step));
   if (built->integrator->chooses) {
     choose_longest(built);
@@ -213,7 +218,9 @@ static void list_skipped(sdr_built *built)
   skip(built, all_runs, "neighbourhood: bonds come from lattice rows");
   skip(built, built->bonds->run_count > 0, "dual-horizon bookkeeping: one horizon");
   skip(built, built->integrator->is_explicit, "Jacobian: explicit integrator");
-  skip(built, built->integrator->is_static, "steps in time: static solution");
+  skip(built, scene->time.linear, "steps in time: static solution");
+  skip(built, built->integrator->is_static && !scene->time.linear,
+       "masses and velocities: static solution");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
        "tests for cut bonds: no pre-crack, no protected zone");
   skip(built, scene->output.snapshots == 0, "fields: no snapshots asked");
@@ -235,7 +242,8 @@ static sdr_status build_parts(sdr_built *built)
   SDR_TRY(make_system(built));
   for (int k = 0; k < built->scene->initial_count; ++k)
     SDR_TRY(set_initial(built, &built->scene->initial[k]));
-  built->integrator = sdr_integrator_find(built->scene->time.integrator);
+  const sdr_time_scene *time = &built->scene->time;
+  built->integrator = sdr_integrator_find(time->linear ? "static_linear" : time->integrator);
   if (!built->integrator)
     return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
   if (built->scene->one_sided)

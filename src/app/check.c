@@ -45,9 +45,13 @@ static sdr_status print_static(const sdr_built *built, FILE *out)
   long long held = 0;
   SDR_TRY(sdr_supports_values(built->supports, built->step, system->motion));
   for (int32_t k = 0; k < count; ++k) held += !isnan(system->motion[k]);
-  fprintf(out,
-          "static solution     at t = %g s: %lld components, %lld of them prescribed; solver %s\n",
-          built->step, unknowns, held, built->scene->time.solver);
+  if (built->scene->time.linear)
+    fprintf(out, "static solution     at t = %g s", built->step);
+  else
+    fprintf(out, "static solutions    to t = %g s in increments of at most %g s",
+            built->scene->time.end, built->step);
+  fprintf(out, ": %lld components, %lld of them prescribed; solver %s\n", unknowns, held,
+          built->scene->time.solver);
   if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
   return SDR_OK;
 }
@@ -97,7 +101,7 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
   const sdr_scene *scene = built->scene;
   fprintf(out, "%s\n", scene->title);
   fprintf(out, "model               %s, %s, damage %s, integrator %s\n", built->traits.name,
-          dimension_names[scene->dimension], law_names[scene->damage.law], built->integrator->name);
+          dimension_names[scene->dimension], law_names[scene->damage.law], scene->time.integrator);
   fprintf(out, "kernels             %s, %s precision, %d thread%s\n", built->traits.isa,
           scene->mixed ? "mixed" : "double", sdr_threads(), sdr_threads() == 1 ? "" : "s");
   print_points(built, out);

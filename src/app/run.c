@@ -198,6 +198,21 @@ static sdr_status find_pieces(const run *r, sdr_summary *summary, sdr_ring_count
   return SDR_OK;
 }
 
+/* Of solutions step by step. */
+static void print_steps(const sdr_summary *s, const sdr_solve_record *solve, FILE *out)
+{
+  fprintf(out, "solver              %s: %lld unknowns, %lld factorisations, %lld iterations\n",
+          solve->name, (long long)solve->unknowns, (long long)solve->factorisations,
+          (long long)solve->iterations);
+  fprintf(out, "steps               %lld accepted, %lld cut, %lld Newton iterations",
+          (long long)solve->accepted, (long long)solve->cuts, (long long)solve->newton);
+  if (solve->fallbacks > 0)
+    fprintf(out, "; motion had to help %lld time%s", (long long)solve->fallbacks,
+            solve->fallbacks == 1 ? "" : "s");
+  fprintf(out, "\ntime                %.2f s, of it %.2f s in factors\n", s->wall_total,
+          solve->factor_seconds);
+}
+
 /* What it cost. */
 static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE *out)
 {
@@ -206,6 +221,10 @@ static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE
     fprintf(out, "time                %.2f s, %.3f ns per bond and step (%s, %d thread%s)\n",
             s->wall_total, s->wall_integrate * 1e9 / ((double)s->bonds * steps), s->instruction_set,
             s->threads, s->threads == 1 ? "" : "s");
+    return;
+  }
+  if (solve->accepted > 0) {
+    print_steps(s, solve, out);
     return;
   }
   fprintf(out, "solver              %s: %lld unknowns, %lld nonzeros, residual %.1e", solve->name,

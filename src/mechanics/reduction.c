@@ -122,6 +122,22 @@ sdr_status sdr_reduction_update(sdr_reduction *reduction, const sdr_constraints 
   return SDR_OK;
 }
 
+void sdr_reduction_add_diagonal(sdr_reduction *reduction, const sdr_constraints *constraints,
+                                const double *diagonal)
+{
+  const sdr_csr *b = &constraints->map, *a = &reduction->matrix;
+  const sdr_csr *p = constraints->symmetric ? b : &constraints->force;
+  for (int32_t r = 0; r < b->rows; ++r)
+    for (int64_t k = b->row[r]; k < b->row[r + 1]; ++k) {
+      const int32_t q = b->column[k];
+      double pair = 0.0; /* of P and B at (r, q) */
+      for (int64_t l = p->row[r]; l < p->row[r + 1]; ++l)
+        if (p->column[l] == q) pair = p->value[l] * b->value[k];
+      for (int64_t l = a->row[q]; l < a->row[q + 1]; ++l)
+        if (a->column[l] == q) a->value[l] += pair * diagonal[r];
+    }
+}
+
 const sdr_csr *sdr_reduction_matrix(const sdr_reduction *reduction)
 {
   return &reduction->matrix;

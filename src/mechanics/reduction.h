@@ -18,6 +18,11 @@ void sdr_reduction_destroy(sdr_reduction **reduction); /* NULL-safe */
 sdr_status sdr_reduction_update(sdr_reduction *reduction, const sdr_constraints *constraints,
                                 int *renewed);
 
+/* Add P^T D B to it for a diagonal D (a value for each unknown); where B does not only select, its
+   diagonal alone: good enough for a preconditioner. */
+void sdr_reduction_add_diagonal(sdr_reduction *reduction, const sdr_constraints *constraints,
+                                const double *diagonal);
+
 /* What the last update made; owned by the reduction. */
 const sdr_csr *sdr_reduction_matrix(const sdr_reduction *reduction);
 

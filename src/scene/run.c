@@ -18,34 +18,6 @@ static void read_steps(sdr_reading *rd, sdr_node *map)
   sdr_allow_adaptive(rd, map);
 }
 
-/* One step, as long as the run. What belongs to other integrators may stand there for a variant of
-   the scene; it says so with a warning, or with `auto` or the default not at all. */
-static void read_static(sdr_reading *rd, sdr_node *map)
-{
-  static const char *const solvers[] = {"auto", "cholmod", "klu", "umfpack", "pcg", NULL};
-  sdr_reader *r = rd->reader;
-  const sdr_scene *scene = rd->scene;
-  sdr_time_scene *time = &rd->scene->time;
-  int solver = 0;
-  if (sdr_read_word(r, map, "solver", solvers, NULL, "auto", &solver))
-    snprintf(time->solver, sizeof time->solver, "%s", solvers[solver]);
-  sdr_read_number(r, map, "end", SDR_ABOVE_ZERO(SDR_TIME), "1 s", &time->end);
-  sdr_read_number_or(r, map, "step", "auto", NAN, SDR_ABOVE_ZERO(SDR_TIME), SDR_OPTIONAL,
-                     &time->step);
-  sdr_read_allow(r, map, "safety");
-  sdr_read_allow(r, map, "allow_unstable");
-  sdr_allow_adaptive(rd, map);
-  const sdr_node *node = sdr_node_find(map, "integrator");
-  const sdr_origin origin = node ? node->origin : map->origin;
-  if (scene->damage.law != SDR_LAW_NONE)
-    sdr_read_error(r, origin,
-                   "nonlinear statics with damage is not available in this version; leave damage "
-                   "out, or take leapfrog");
-  if (scene->initial_count > 0)
-    sdr_read_error(r, scene->initial[0].origin,
-                   "a static solution has no state to start from; leave initial out");
-}
-
 void sdr_read_time(sdr_reading *rd)
 {
   static const char *const integrators[] = {"leapfrog", "static", "cvode", NULL};
@@ -62,7 +34,7 @@ void sdr_read_time(sdr_reading *rd)
   const sdr_node *step = sdr_node_find(map, "step");
   time->step_origin = step ? step->origin : map->origin;
   if (strcmp(time->integrator, "static") == 0)
-    read_static(rd, map);
+    sdr_read_static(rd, map);
   else if (strcmp(time->integrator, "leapfrog") == 0)
     read_steps(rd, map);
   else

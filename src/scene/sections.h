@@ -62,6 +62,7 @@ void sdr_read_initial(sdr_reading *reading);
 void sdr_read_loads(sdr_reading *reading);
 void sdr_read_supports(sdr_reading *reading);
 void sdr_read_time(sdr_reading *reading);
+void sdr_read_static(sdr_reading *reading, sdr_node *map); /* static.c: the mapping `time` of one */
 /* The mapping `time` of one that chooses its steps; its keys, where another integrator reads them.
    adaptive.c */
 void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);

@@ -23,7 +23,7 @@ typedef struct {
   int is_static;   /* 1: nothing moves: no masses, no velocities */
 } sdr_integrator;
 
-extern const sdr_integrator sdr_leapfrog, sdr_static;
+extern const sdr_integrator sdr_leapfrog, sdr_static, sdr_static_linear;
 extern const sdr_integrator sdr_cvode;
 
 /* The integrator of that name; NULL: none. */

@@ -1,298 +1,319 @@
-/* The linear static solution (theory sec. 7): one tangent K at u = 0, one factorisation. With the
-   motion u = a + B q of supports and layers at the end of the run and the loads f there,
+/* Nonlinear statics: equilibria of the energy of equilibrium.h, increment by increment (theory sec.
+   7). Each starts from the last one; an increment that finds none, or whose energy does not balance
+   the work done, is cut; when it cannot be cut any more the body moves to its next equilibrium
+   (static_motion.c). Damage is committed once an increment is accepted. With critical stretch,
+   which has no energy to minimise, bonds are kept while equilibrium is sought; then the most
+   overstretched break, until none is. */
+#include "time/static.h"
 
-     P^T K B q = P^T (f - K a),   R = K u - f at the prescribed components.
-
-   The books take loads and prescribed motion as grown together from zero, so that the work done is
-   half of what they do in the end. */
 #include "base/memory.h"
 #include "geometry/text.h"
-#include "linalg/solver.h"
-#include "mechanics/constraints.h"
-#include "mechanics/tangent.h"
 #include "time/integrator.h"
 #include "time/rigid.h"
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
-typedef struct {
-  sdr_system *system;
-  int32_t unknowns;
-  sdr_csr stiffness, reduced;
-  sdr_slaves slaves;
-  sdr_constraints constraints;
-  double *load, *u, *force; /* unknowns each; force = K u */
-  double *right, *q;        /* free ones */
-} problem;
+static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_static_relaxation};
 
-static void problem_destroy(problem *p)
+/* Of the largest energy so far: more than this is not balanced by an increment that found the
+   equilibrium next to the last. */
+static const double most_excess = 2e-3;
+/* Of the first length: shorter increments move the body instead. */
+static const double least_length = 1.0 / 256.0;
+
+/* ---- work ------------------------------------------------------------------------------------ */
+
+static void end_work(void *given)
 {
-  sdr_csr_destroy(&p->stiffness);
-  sdr_csr_destroy(&p->reduced);
-  sdr_slaves_destroy(&p->slaves);
-  sdr_constraints_destroy(&p->constraints);
-  sdr_free(p->load);
-  sdr_free(p->u);
-  sdr_free(p->force);
-  sdr_free(p->right);
-  sdr_free(p->q);
+  sdr_static_work *w = given;
+  if (!w) return;
+  if (w->state) w->method->destroy(w->state);
+  sdr_newton_destroy(&w->newton);
+  sdr_equilibrium_destroy(&w->equilibrium);
+  sdr_implicit_destroy(&w->implicit);
+  sdr_free(w->u);
+  sdr_free(w->tried);
+  sdr_free(w->before);
+  sdr_free(w->now);
+  sdr_free(w->way);
+  sdr_free(w->load);
+  sdr_free(w);
 }
 
-static double wall(void)
+static sdr_status allocate(sdr_static_work *w)
 {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* ---- setting up ------------------------------------------------------------------------------ */
-
-static sdr_status refuse_velocity(const sdr_system *system, const sdr_prescribed *entry)
-{
-  const sdr_points *points = system->model->points;
-  char text[SDR_PLACE_TEXT];
-  double x[3] = {0.0};
-  for (int a = 0; a < points->components; ++a) x[a] = points->x[a][entry->point];
-  return sdr_fail(SDR_BAD_INPUT,
-                  "a support prescribes a velocity at the point at %s, but nothing moves in a "
-                  "static solution; give its displacement at time.end",
-                  sdr_place_text(x, points->components, text));
-}
-
-static sdr_status constrain(problem *p)
-{
-  sdr_system *system = p->system;
-  const sdr_prescribed *list = sdr_supports_list(system->supports);
-  SDR_TRY(sdr_supports_values(system->supports, system->time, system->motion));
-  for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
-    if (list[k].is_velocity && !isnan(system->motion[k])) return refuse_velocity(system, &list[k]);
-  if (system->layers) {
-    SDR_TRY(sdr_layers_values(system->layers, system->time));
-    SDR_TRY(sdr_layers_slaves(system->layers, &p->slaves));
-  }
-  return sdr_constraints_create(system->model->points, system->supports, system->motion,
-                                system->layers ? &p->slaves : NULL, &p->constraints);
-}
-
-static sdr_status take_loads(problem *p)
-{
-  sdr_system *system = p->system;
-  const int m = system->components;
-  const int32_t *points = sdr_loads_points(system->loads);
-  SDR_TRY(sdr_loads_evaluate(system->loads, system->time));
-  for (int32_t k = 0; k < sdr_loads_count(system->loads); ++k)
-    for (int a = 0; a < m; ++a) {
-      system->load_before[a][k] = sdr_loads_force(system->loads, a)[k];
-      p->load[points[k] * m + a] += system->load_before[a][k];
-    }
+  const size_t unknowns = (size_t)w->implicit->unknowns;
+  double **const arrays[] = {&w->u, &w->tried, &w->before, &w->now, &w->way, &w->load};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; ++k)
+    if (!(*arrays[k] = sdr_alloc(unknowns, sizeof(double)))) return SDR_RUN_FAILED;
   return SDR_OK;
 }
 
-static sdr_status assemble(problem *p)
+/* A name of a linear solver means Newton with it. */
+static const sdr_static_method *find_method(const char *name)
 {
-  sdr_system *system = p->system;
-  const sdr_model_ops *ops = system->model->ops;
-  if (!ops->visit_hessian)
+  for (size_t k = 0; k < sizeof methods / sizeof *methods; ++k)
+    if (strcmp(methods[k]->name, name) == 0) return methods[k];
+  return methods[0];
+}
+
+static sdr_status check_held(const sdr_system *system, const sdr_implicit *implicit)
+{
+  if (!implicit->constraints.symmetric)
     return sdr_fail(SDR_BAD_INPUT,
-                    "time.integrator: a %s body has no static solution in this "
-                    "version; take leapfrog",
-                    ops->name);
+                    "time.linear: fictitious layers have a linear static solution only; take "
+                    "time.linear: true, or supports in place of layers");
+  if (system->layers || implicit->slaves.count > 0) return SDR_OK;
+  return sdr_rigid_held(system->model->points, implicit->constraints.prescribed);
+}
+
+static sdr_status make_work(sdr_system *system, sdr_static_work *w)
+{
+  const char *solver = system->how && system->how->solver[0] ? system->how->solver : "auto";
+  w->method = find_method(solver);
+  const int linear = w->method == methods[0];
+  SDR_TRY(sdr_implicit_create(system, &w->implicit));
+  SDR_TRY(check_held(system, w->implicit));
+  SDR_TRY(allocate(w));
+  SDR_TRY(sdr_equilibrium_create(w->implicit, linear ? solver : "auto", &w->equilibrium));
+  SDR_TRY(sdr_newton_create(w->equilibrium, &w->newton));
+  return w->method->create(w->equilibrium, &w->state);
+}
+
+/* The system's u is an equilibrium: what acts there, and its energy. */
+static void look_at_present(sdr_static_work *w)
+{
+  sdr_system *system = w->implicit->system;
+  sdr_energies energies;
+  sdr_implicit_gather(w->implicit, system->u, w->u);
+  sdr_implicit_force(w->implicit, w->u, w->equilibrium->internal);
+  sdr_implicit_outside(w->implicit, w->equilibrium->internal, NULL, w->before);
+  memcpy(w->load, w->implicit->load, (size_t)w->implicit->unknowns * sizeof *w->load);
+  system->model->ops->energies(system->model, system->u, &energies);
+  w->energy = energies.stored + energies.dissipated;
+  w->largest = fmax(w->largest, w->energy);
   for (int a = 0; a < system->components; ++a)
-    memset(system->u[a], 0, (size_t)system->count * sizeof(double));
-  return sdr_tangent_assemble(system->model, system->u, &p->stiffness);
+    memset(system->f[a], 0, (size_t)system->count * sizeof(double));
 }
 
-/* right = P^T (f - K a) */
-static sdr_status make_right_side(problem *p)
+static sdr_status restart(sdr_system *system, double dt)
 {
-  const sdr_constraints *c = &p->constraints;
-  p->right = sdr_alloc((size_t)c->free, sizeof(double));
-  p->q = sdr_alloc((size_t)c->free, sizeof(double));
-  if (!p->right || !p->q) return SDR_RUN_FAILED;
-  sdr_csr_times(&p->stiffness, c->offset, p->force);
-  for (int32_t k = 0; k < p->unknowns; ++k) p->u[k] = p->load[k] - p->force[k];
-  sdr_constraints_project(c, p->u, p->right);
+  sdr_static_work *w = sdr_alloc(1, sizeof *w);
+  if (!w) return SDR_RUN_FAILED;
+  if (system->work) system->end_work(system->work);
+  system->work = NULL;
+  w->length = w->longest = dt;
+  const sdr_status status = make_work(system, w);
+  if (status != SDR_OK) {
+    end_work(w);
+    return status;
+  }
+  system->work = w;
+  system->end_work = end_work;
+  look_at_present(w);
   return SDR_OK;
 }
 
-static sdr_status set_up(problem *p)
+/* ---- one equilibrium ------------------------------------------------------------------------- */
+
+void sdr_static_take(sdr_static_work *w, const double *total, double dt)
 {
-  const size_t unknowns = (size_t)p->unknowns;
-  p->load = sdr_alloc(unknowns, sizeof(double));
-  p->u = sdr_alloc(unknowns, sizeof(double));
-  p->force = sdr_alloc(unknowns, sizeof(double));
-  if (!p->load || !p->u || !p->force) return SDR_RUN_FAILED;
-  const double from = wall();
-  SDR_TRY(constrain(p));
-  if (!p->system->layers)
-    SDR_TRY(sdr_rigid_held(p->system->model->points, p->constraints.prescribed));
-  SDR_TRY(take_loads(p));
-  SDR_TRY(assemble(p));
-  SDR_TRY(make_right_side(p));
-  SDR_TRY(sdr_constraints_reduce(&p->constraints, &p->stiffness, &p->reduced));
-  p->system->solve.assemble_seconds = wall() - from;
+  sdr_implicit *implicit = w->implicit;
+  const size_t bytes = (size_t)implicit->unknowns * sizeof *w->u;
+  sdr_implicit_force(implicit, w->tried, w->equilibrium->internal);
+  sdr_implicit_outside(implicit, w->equilibrium->internal, total, w->now);
+  for (int32_t r = 0; r < implicit->unknowns; ++r) {
+    w->way[r] = w->tried[r] - w->u[r];
+    if (!implicit->held[r]) w->before[r] = w->load[r]; /* also where a support has let go */
+  }
+  sdr_implicit_book(implicit, w->way, w->before, w->now, dt);
+  memcpy(w->u, w->tried, bytes);
+  look_at_present(w);
+  memcpy(w->before, w->now, bytes);
+}
+
+double sdr_static_excess(sdr_static_work *w, const double *total)
+{
+  sdr_implicit *implicit = w->implicit;
+  sdr_system *system = implicit->system;
+  sdr_energies energies;
+  double work = 0.0;
+  sdr_implicit_force(implicit, w->tried, w->equilibrium->internal);
+  sdr_implicit_outside(implicit, w->equilibrium->internal, total, w->now);
+  for (int32_t r = 0; r < implicit->unknowns; ++r) {
+    const double before = implicit->held[r] ? w->before[r] : w->load[r];
+    work += 0.5 * (before + w->now[r]) * (w->tried[r] - w->u[r]);
+  }
+  system->model->ops->energies(system->model, system->u, &energies);
+  w->reached = energies.stored + energies.dissipated;
+  return w->reached - w->energy - work;
+}
+
+/* Break what critical stretch has overstretched, and find the equilibrium of what is left, until
+   nothing breaks. What the energy falls by is what damped motion would take. */
+static sdr_status break_bonds(sdr_static_work *w, int *found)
+{
+  sdr_system *system = w->implicit->system;
+  sdr_newton_report report;
+  double size;
+  *found = 1;
+  if (!system->model->ops->break_most) return SDR_OK;
+  while (system->model->ops->break_most(system->model, system->u, 0.98) > 0) {
+    const double before = sdr_equilibrium_energy(w->equilibrium, w->u, &size);
+    memcpy(w->tried, w->u, (size_t)w->implicit->unknowns * sizeof *w->u);
+    w->equilibrium->factored = 0;
+    SDR_TRY(w->method->solve(w->state, w->tried, &report));
+    if (!report.converged) {
+      *found = 0;
+      return SDR_OK;
+    }
+    system->viscous += before - sdr_equilibrium_energy(w->equilibrium, w->tried, &size);
+    sdr_static_take(w, NULL, 0.0);
+  }
   return SDR_OK;
 }
 
-/* ---- solving --------------------------------------------------------------------------------- */
-
-/* Name the component that nothing holds. */
-static sdr_status explain(const problem *p, int32_t row)
+/* The equilibrium at `time` into w->tried; *found = 0 if there is none next to the last one. */
+static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *report, int *found)
 {
-  const sdr_points *points = p->system->model->points;
-  const int m = points->components;
+  int renumbered;
+  SDR_TRY(sdr_implicit_move(w->implicit, time, &renumbered));
+  if (renumbered) sdr_equilibrium_renumber(w->equilibrium);
+  SDR_TRY(sdr_newton_predict(w->newton, w->u, w->tried));
+  SDR_TRY(w->method->solve(w->state, w->tried, report));
+  *found = report->converged;
+  if (!*found) return SDR_OK;
+  const double excess = sdr_static_excess(w, NULL);
+  *found = fabs(excess) <= most_excess * fmax(w->largest, w->reached);
+  return SDR_OK;
+}
+
+/* ---- increments ------------------------------------------------------------------------------ */
+
+/* Where nothing was found: the point that is worst off, and what to do. */
+static sdr_status stop(sdr_static_work *w, double time)
+{
+  const sdr_system *system = w->implicit->system;
+  const sdr_points *points = system->model->points;
+  const int m = system->components;
+  int32_t worst = 0;
+  double x[3] = {0.0}, most = -1.0;
   char text[SDR_PLACE_TEXT];
-  double x[3] = {0.0};
-  if (row < 0)
-    return sdr_fail(SDR_RUN_FAILED,
-                    "the body has no static solution: %s; give supports that keep the body, and "
-                    "every part of it, from moving and turning",
-                    sdr_error_message());
-  const int32_t unknown = p->constraints.unknown[row];
-  for (int a = 0; a < m; ++a) x[a] = points->x[a][unknown / m];
+  sdr_implicit_force(w->implicit, w->tried, w->now);
+  for (int32_t i = 0; i < system->count; ++i) {
+    double squared = 0.0;
+    for (int a = 0; a < m; ++a) {
+      const int32_t r = i * m + a;
+      const double left = w->implicit->held[r] ? 0.0 : w->now[r] + w->implicit->load[r];
+      squared += left * left;
+    }
+    if (!(squared > most)) continue;
+    most = squared;
+    worst = i;
+  }
+  for (int a = 0; a < m; ++a) x[a] = points->x[a][worst];
   return sdr_fail(
       SDR_RUN_FAILED,
-      "the stiffness is singular: the point at %s can move freely along %c; give supports that "
-      "keep the body, and every part of it, from moving and turning",
-      sdr_place_text(x, m, text), "xyz"[unknown % m]);
+      "no equilibrium was found at t = %.6g s, after %lld increments: the point at %s is "
+      "left with a force of %.3g N; prescribe displacements (or their mean) in place of "
+      "loads that nothing can carry any more, end the run before, or take a smaller "
+      "time.step",
+      time, (long long)system->step, sdr_place_text(x, m, text), sqrt(most));
 }
 
-/* A stiffness is positive; LU takes it as symmetric, so that it solves with one that is not. */
-static sdr_matrix_kind kind_of(const problem *p, const char *solver)
+static void finish(sdr_static_work *w, double time)
 {
-  if (!p->constraints.symmetric) return SDR_MATRIX_GENERAL;
-  const int direct_lu = strcmp(solver, "umfpack") == 0 || strcmp(solver, "klu") == 0;
-  return direct_lu ? SDR_MATRIX_SYMMETRIC : SDR_MATRIX_POSITIVE;
+  sdr_system *system = w->implicit->system;
+  system->model->ops->commit(system->model, system->u);
+  look_at_present(w);
+  sdr_implicit_accept(w->implicit);
+  system->time = time;
+  ++system->step;
+  ++system->solve.accepted;
 }
 
-static sdr_status factor_and_solve(problem *p, sdr_solver *solver)
+/* Statics has no answer: the body moves there. */
+static sdr_status move(sdr_static_work *w, double time)
 {
-  sdr_solve_record *record = &p->system->solve;
-  const double from = wall();
-  sdr_status status = sdr_solver_factor(solver, &p->reduced);
-  const double factored = wall();
-  if (status == SDR_OK) status = sdr_solver_solve(solver, p->right, p->q);
-  const sdr_solver_report report = sdr_solver_report_of(solver);
-  if (status == SDR_OK) {
-    record->name = report.name;
-    record->unknowns = p->constraints.free;
-    record->nonzeros = p->reduced.row[p->reduced.rows];
-    record->factor_seconds = factored - from;
-    record->solve_seconds = wall() - factored;
-    record->bytes = report.bytes;
-    record->iterations = report.iterations;
-    record->residual = report.residual;
-    return SDR_OK;
-  }
-  const int singular =
-      report.singular_row >= 0 || report.residual > 1e-6 || strstr(sdr_error_message(), "singular");
-  return singular ? explain(p, report.singular_row) : status;
+  int rested;
+  ++w->implicit->system->solve.fallbacks;
+  SDR_TRY(sdr_static_move(w, &rested));
+  return rested ? SDR_OK : stop(w, time);
 }
 
-static sdr_status solve(problem *p)
+static void say_what_was_solved(sdr_static_work *w)
 {
-  const sdr_time_scene *how = p->system->how;
-  const char *name = how && how->solver[0] ? how->solver : "auto";
-  sdr_solver *solver = NULL;
-  SDR_TRY(sdr_solver_create(name, kind_of(p, name), &solver));
-  const sdr_status status = factor_and_solve(p, solver);
-  sdr_solver_destroy(&solver);
-  return status;
+  sdr_solve_record *record = &w->implicit->system->solve;
+  const sdr_solver_report report = sdr_solver_report_of(w->equilibrium->solver);
+  record->name = w->method == methods[0] ? report.name : w->method->name;
+  record->unknowns = w->implicit->free;
+  record->nonzeros = sdr_tangent_matrix(w->equilibrium->tangent)->row[w->implicit->unknowns];
+  record->bytes = fmax(record->bytes, report.bytes);
 }
 
-/* ---- the solved state ------------------------------------------------------------------------ */
-
-/* u = a + B q, and how far the bent body's own forces are from the linear K u. */
-static void show(problem *p)
+static double next_time(const sdr_static_work *w)
 {
-  sdr_system *system = p->system;
-  const int m = system->components;
-  double apart = 0.0, whole = 0.0;
-  sdr_constraints_expand(&p->constraints, p->q, p->u);
-  sdr_csr_times(&p->stiffness, p->u, p->force);
-  for (int32_t i = 0; i < system->count; ++i)
-    for (int a = 0; a < m; ++a) system->u[a][i] = p->u[i * m + a];
-  system->model->ops->force(system->model, system->u, system->f);
-  for (int32_t i = 0; i < system->count; ++i)
-    for (int a = 0; a < m; ++a) {
-      const double linear = p->force[i * m + a], difference = system->f[a][i] + linear;
-      apart += difference * difference;
-      whole += linear * linear;
-    }
-  system->solve.nonlinearity = whole > 0.0 ? sqrt(apart / whole) : 0.0;
-}
-
-/* Total forces, zero but for rounding: the body's and its layers', the loads, the reactions. */
-static void balance(problem *p)
-{
-  sdr_system *system = p->system;
-  const int m = system->components;
-  const sdr_prescribed *list = sdr_supports_list(system->supports);
-  for (int32_t i = 0; i < system->count; ++i)
-    for (int a = 0; a < m; ++a) {
-      system->v[a][i] = 0.0;
-      system->f[a][i] = -p->force[i * m + a];
-    }
-  if (system->layers) sdr_layers_pull(system->layers, system->f);
-  for (int32_t i = 0; i < system->count; ++i)
-    for (int a = 0; a < m; ++a) system->f[a][i] += p->load[i * m + a];
-  for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k) {
-    const int a = list[k].component;
-    const int acts = !isnan(system->motion[k]);
-    system->reaction[k] = acts ? -system->f[a][list[k].point] : 0.0;
-    if (acts) system->f[a][list[k].point] = 0.0;
-  }
-}
-
-/* Loads, and what holds the components that are not free, grown from zero: 1/2 (f + R).u. Layers
-   pull on free points too; with them it is 1/2 u.K u, what is left at free ones included. */
-static void book(problem *p)
-{
-  const sdr_constraints *c = &p->constraints;
-  double work = 0.0;
-  int32_t next = 0; /* the next free unknown in c->unknown */
-  for (int32_t k = 0; k < p->unknowns; ++k) {
-    const int is_free = next < c->free && c->unknown[next] == k;
-    next += is_free;
-    work += (is_free && p->slaves.count == 0 ? p->load[k] : p->force[k]) * p->u[k];
-  }
-  p->system->external_work += 0.5 * work;
+  const sdr_system *system = w->implicit->system;
+  const double event = sdr_implicit_next_event(w->implicit, system->time);
+  const double end = system->how ? fmin(event, system->how->end) : event;
+  const double next = system->time + w->length;
+  return next > end - 1e-6 * w->length ? end : next;
 }
 
 static sdr_status step(sdr_system *system, double dt)
 {
-  problem p = {.system = system, .unknowns = system->count * system->components};
-  system->time = dt;
-  ++system->step;
-  sdr_status status = set_up(&p);
-  if (status == SDR_OK) status = solve(&p);
-  if (status == SDR_OK) {
-    show(&p);
-    balance(&p);
-    book(&p);
+  sdr_static_work *w = system->work;
+  sdr_newton_report report = {0};
+  int found = 0, cut = 0;
+  w->longest = dt;
+  double time = next_time(w);
+  SDR_TRY(attempt(w, time, &report, &found));
+  while (!found && time - system->time > 2.0 * least_length * dt) {
+    time = system->time + 0.5 * (time - system->time);
+    cut = 1;
+    ++system->solve.cuts;
+    SDR_TRY(attempt(w, time, &report, &found));
   }
-  problem_destroy(&p);
-  return status;
+  if (found) {
+    sdr_static_take(w, NULL, time - system->time);
+    SDR_TRY(break_bonds(w, &found));
+  }
+  if (!found) SDR_TRY(move(w, time));
+  if (cut) w->length = time - system->time;
+  if (!cut) w->length = fmin(1.5 * w->length, dt);
+  finish(w, time);
+  say_what_was_solved(w);
+  return SDR_OK;
 }
 
-/* Before the loads: the reference shape at rest. */
+/* Loads and supports that act from t = 0 on: the first equilibrium, from which energies count. */
 static sdr_status start(sdr_system *system, double dt)
 {
-  (void)dt;
   for (int a = 0; a < system->components; ++a) {
     const size_t bytes = (size_t)system->count * sizeof(double);
     memset(system->u[a], 0, bytes);
     memset(system->v[a], 0, bytes);
-    memset(system->f[a], 0, bytes);
   }
   system->velocity_offset = 0.0;
+  SDR_TRY(restart(system, dt));
+  sdr_static_work *w = system->work;
+  sdr_newton_report report;
+  SDR_TRY(sdr_newton_predict(w->newton, w->u, w->tried));
+  SDR_TRY(w->method->solve(w->state, w->tried, &report));
+  if (!report.converged) return stop(w, 0.0);
+  sdr_implicit_scatter(w->implicit, w->tried, system->u);
+  system->model->ops->commit(system->model, system->u);
+  look_at_present(w);
+  sdr_implicit_accept(w->implicit);
+  say_what_was_solved(w);
   return SDR_OK;
 }
 
 const sdr_integrator sdr_static = {.name = "static",
-                                   .doc = "the linear static solution under the loads at the end",
+                                   .doc = "equilibria under loads and supports that change slowly",
                                    .start = start,
                                    .step = step,
+                                   .restart = restart,
+                                   .chooses = 1,
                                    .is_static = 1};
