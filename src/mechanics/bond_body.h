@@ -70,6 +70,7 @@ typedef struct {
   sdr_run_force run_force[SDR_LAW_COUNT][3][2];
   sdr_loose_force loose_force[SDR_LAW_COUNT][3][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
+  sdr_run_energies loose_energies[SDR_LAW_COUNT][3][2]; /* of chunks [first, end) */
 } sdr_precise_kernels;
 
 extern const sdr_bond_kernels sdr_bond_kernels_baseline;

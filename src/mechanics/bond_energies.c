@@ -37,6 +37,22 @@ static void visit_slot(void *context, const sdr_pair *pair)
   if (pair->loose) energies_of_slot(&slot->call->model->body, pair, slot->call->u, slot->sum);
 }
 
+/* Loose pairs join any stripes: theirs may not rest. */
+static void energies_of_loose(const energies_call *call, int s, sdr_stripe_energies *sum)
+{
+  const sdr_bond_model *model = call->model;
+  if (!model->body.precise) {
+    slot_call slot = {call, sum};
+    sdr_bonds_visit_stripe(model->bonds, model->head.points, s, visit_slot, &slot);
+    return;
+  }
+  int64_t first, end;
+  sdr_stripe_chunks(&model->body, s, &first, &end);
+  const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
+  model->precise->loose_energies[model->body.law][n - 1][each](&model->body, first, end, call->u,
+                                                               sum);
+}
+
 static void energies_of_stripe(void *context, int s)
 {
   const energies_call *call = context;
@@ -49,10 +65,7 @@ static void energies_of_stripe(void *context, int s)
                           : model->kernels->run_energies[model->body.law][n - 1][each];
   if (!sdr_stripe_rests(model, s))
     energies(&model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, sum);
-  if (bonds->loose.chunk_count > 0) { /* loose pairs join any stripes: theirs may not rest */
-    slot_call slot = {call, sum};
-    sdr_bonds_visit_stripe(bonds, model->head.points, s, visit_slot, &slot);
-  }
+  if (bonds->loose.chunk_count > 0) energies_of_loose(call, s, sum);
   if (model->booked) sum->dissipated += model->booked[s];
 }
 

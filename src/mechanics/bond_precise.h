@@ -86,16 +86,37 @@ SDR_INLINE sdr_bond_answer precise_answer(const int law, const int marked, doubl
   return answer;
 }
 
-/* z = l^2/|xi|^2 - 1 of a pair whose end moved by e relative to its start. */
+/* Three numbers, not an array, which would keep loops from being vectorised. */
+typedef struct {
+  double x, y, z;
+} sdr_precise_vector;
+
+SDR_INLINE sdr_precise_vector precise_motion(const int components, const sdr_precise_block *b,
+                                             int k)
+{
+  return (sdr_precise_vector){b->uj[0][k] - b->ui[0][k],
+                              components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0,
+                              components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0};
+}
+
+/* l^2 - |xi|^2 of a pair whose end moved by e relative to its start. */
+SDR_INLINE double precise_growth(const int components, sdr_precise_vector xi, sdr_precise_vector e)
+{
+  double sum = (2.0 * xi.x + e.x) * e.x;
+  if (components > 1) sum += (2.0 * xi.y + e.y) * e.y;
+  if (components > 2) sum += (2.0 * xi.z + e.z) * e.z;
+  return sum;
+}
+
+/* z = l^2/|xi|^2 - 1 of the same, from arrays. */
 SDR_INLINE double precise_elongation(const int components, const double xi[3], const double e[3],
                                      double inverse_square)
 {
-  double sum = (2.0 * xi[0] + e[0]) * e[0];
-  if (components > 1) sum += (2.0 * xi[1] + e[1]) * e[1];
-  if (components > 2) sum += (2.0 * xi[2] + e[2]) * e[2];
-  return sum * inverse_square;
+  const sdr_precise_vector from = {xi[0], xi[1], xi[2]}, by = {e[0], e[1], e[2]};
+  return precise_growth(components, from, by) * inverse_square;
 }
 
+/* l/|xi|, from z = l^2/|xi|^2 - 1. */
 SDR_INLINE double precise_ratio(double z)
 {
   const double square = 1.0 + z;
@@ -110,15 +131,14 @@ SDR_INLINE void precise_forces(const int components, const int law, const int ea
                                const sdr_precise_block *b, double F[3][SDR_PRECISE_BLOCK])
 {
   const sdr_bond_class *class = b->class;
-  const double xi[3] = {class->xi[0], class->xi[1], class->xi[2]};
+  const sdr_precise_vector xi = {class->xi[0], class->xi[1], class->xi[2]};
   const double square = class->inverse_square, wi = class->by_length_ij, wj = class->by_length_ji;
+  double *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
 #pragma omp simd
   for (int k = 0; k < b->count; ++k) {
-    const double e[3] = {b->uj[0][k] - b->ui[0][k],
-                         components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0,
-                         components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0};
-    const double z = precise_elongation(components, xi, e, square), ratio = precise_ratio(z);
-    const double s = z / (1.0 + ratio);
+    const sdr_precise_vector e = precise_motion(components, b, k);
+    const double z = precise_growth(components, xi, e) * square;
+    const double ratio = precise_ratio(z), s = z / (1.0 + ratio);
     const sdr_precise_constants of = precise_constants(law, each, body, b, k);
     const double before = sdr_law_softens(law) ? b->history[k] : 0.0;
     const sdr_flags flags = marked && !sdr_law_softens(law) ? b->flags[k] : 0;
@@ -129,9 +149,9 @@ SDR_INLINE void precise_forces(const int components, const int law, const int ea
             ? precise_answer(law, marked, s, before, flags & SDR_LOST_J, of.qj, of.rj).force
             : fi;
     const double phi = (wi * of.ci * fi + wj * of.cj * fj) / ratio;
-    F[0][k] = phi * (xi[0] + e[0]);
-    if (components > 1) F[1][k] = phi * (xi[1] + e[1]);
-    if (components > 2) F[2][k] = phi * (xi[2] + e[2]);
+    fx[k] = phi * (xi.x + e.x);
+    if (components > 1) fy[k] = phi * (xi.y + e.y);
+    if (components > 2) fz[k] = phi * (xi.z + e.z);
   }
 }
 
@@ -178,16 +198,14 @@ SDR_INLINE void precise_energies(const int components, const int law, const int 
                                  const sdr_precise_block *b, sdr_stripe_energies *sum)
 {
   const sdr_bond_class *class = b->class;
-  const double xi[3] = {class->xi[0], class->xi[1], class->xi[2]};
+  const sdr_precise_vector xi = {class->xi[0], class->xi[1], class->xi[2]};
   const double wi = class->weight_ij * class->length, wj = class->weight_ji * class->length;
   const double ni = wi > 0.0 ? 1.0 : 0.0, nj = wj > 0.0 ? 1.0 : 0.0; /* bond present */
+  const double square = class->inverse_square;
   double stored = 0.0, dissipated = 0.0, most = sum->max_damage, broken = 0.0;
 #pragma omp simd reduction(+ : stored, dissipated, broken) reduction(max : most)
   for (int k = 0; k < b->count; ++k) {
-    const double e[3] = {b->uj[0][k] - b->ui[0][k],
-                         components > 1 ? b->uj[1][k] - b->ui[1][k] : 0.0,
-                         components > 2 ? b->uj[2][k] - b->ui[2][k] : 0.0};
-    const double z = precise_elongation(components, xi, e, class->inverse_square);
+    const double z = precise_growth(components, xi, precise_motion(components, b, k)) * square;
     const double s = z / (1.0 + precise_ratio(z));
     const sdr_precise_constants of = precise_constants(law, each, body, b, k);
     const double before = sdr_law_softens(law) ? b->history[k] : 0.0;
@@ -229,39 +247,86 @@ SDR_INLINE void precise_energies_of_runs(const int components, const int law, co
 
 /* ---- loose pairs ----------------------------------------------------------------------------- */
 
-/* A column of a chunk of eight points, one slot each; padding has weights of zero. */
-SDR_INLINE void precise_column(const int components, const int law, const int each,
-                               const sdr_bond_body *body, int64_t point, int64_t column,
-                               double *const u[3], double sum[3][SDR_LANES])
+/* One slot: a pair as the point of its lane sees it. Padding has weights of zero. */
+typedef struct {
+  sdr_precise_vector now;                     /* from i to j, as they are */
+  double length, ratio, weight_ij, weight_ji; /* weights times C; no weight: no bond */
+  sdr_bond_answer ij, ji;
+  sdr_flags flags;
+} sdr_precise_slot;
+
+/* Where the slots of a chunk are found: by value, so that loops keep the pointers in registers. */
+typedef struct {
+  const int32_t *j;
+  const double *x, *y, *z, *weight_ij, *weight_ji, *history;
+  const double *ux, *uy, *uz;
+  const double *c, *q, *r; /* a point; NULL: shared */
+  const sdr_flags *flags;
+  double shared_c, shared_q, shared_r;
+} sdr_precise_loose;
+
+SDR_INLINE sdr_precise_loose precise_loose(const sdr_bond_body *body, double *const u[3])
 {
   const sdr_loose *loose = &body->bonds->loose;
-  const int flagged = !sdr_law_softens(law) && body->loose_flags;
+  return (sdr_precise_loose){.j = loose->j,
+                             .x = loose->xi[0],
+                             .y = loose->xi[1],
+                             .z = loose->xi[2],
+                             .weight_ij = loose->weight_ij,
+                             .weight_ji = loose->weight_ji,
+                             .history = body->loose_history,
+                             .ux = u[0],
+                             .uy = u[1],
+                             .uz = u[2],
+                             .c = body->stiffness_at,
+                             .q = body->threshold_at,
+                             .r = body->decline_at,
+                             .flags = body->loose_flags,
+                             .shared_c = body->stiffness,
+                             .shared_q = body->threshold,
+                             .shared_r = body->decline};
+}
+
+SDR_INLINE sdr_precise_slot precise_slot(const int components, const int law, const int each,
+                                         const int flagged, const sdr_precise_loose in, int64_t i,
+                                         int64_t slot)
+{
+  const int32_t j = in.j[slot];
+  const sdr_precise_vector xi = {in.x[slot], components > 1 ? in.y[slot] : 0.0,
+                                 components > 2 ? in.z[slot] : 0.0};
+  const sdr_precise_vector e = {in.ux[j] - in.ux[i], components > 1 ? in.uy[j] - in.uy[i] : 0.0,
+                                components > 2 ? in.uz[j] - in.uz[i] : 0.0};
+  const double square = xi.x * xi.x + xi.y * xi.y + xi.z * xi.z;
+  const double z = precise_growth(components, xi, e) / square;
+  const double ratio = precise_ratio(z), s = z / (1.0 + ratio);
+  const int second = each && law == SDR_LAW_COHESIVE;
+  const double qi = each ? in.q[i] : in.shared_q, qj = each ? in.q[j] : in.shared_q;
+  const double ri = second ? in.r[i] : in.shared_r, rj = second ? in.r[j] : in.shared_r;
+  const double before = sdr_law_softens(law) ? in.history[slot] : 0.0;
+  const sdr_flags flags = flagged ? in.flags[slot] : 0;
+  return (sdr_precise_slot){{xi.x + e.x, xi.y + e.y, xi.z + e.z},
+                            sqrt(square),
+                            ratio,
+                            in.weight_ij[slot] * (each ? in.c[i] : in.shared_c),
+                            in.weight_ji[slot] * (each ? in.c[j] : in.shared_c),
+                            precise_answer(law, 1, s, before, flags & SDR_LOST_I, qi, ri),
+                            precise_answer(law, 1, s, before, flags & SDR_LOST_J, qj, rj),
+                            flags};
+}
+
+/* A column of a chunk of eight points, one slot each. */
+SDR_INLINE void precise_column(const int components, const int law, const int each,
+                               const int flagged, const sdr_precise_loose in, int64_t point,
+                               int64_t column, double sum[3][SDR_LANES])
+{
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = point + lane;
-    const int32_t j = loose->j[slot];
-    double xi[3] = {0.0}, e[3] = {0.0}, square = 0.0;
-    for (int a = 0; a < components; ++a) {
-      xi[a] = loose->xi[a][slot];
-      e[a] = u[a][j] - u[a][i];
-      square += xi[a] * xi[a];
-    }
-    const double z = precise_elongation(components, xi, e, 1.0 / square);
-    const double ratio = precise_ratio(z), s = z / (1.0 + ratio);
-    const int second = each && law == SDR_LAW_COHESIVE;
-    const double qi = each ? body->threshold_at[i] : body->threshold;
-    const double qj = each ? body->threshold_at[j] : body->threshold;
-    const double ri = second ? body->decline_at[i] : body->decline;
-    const double rj = second ? body->decline_at[j] : body->decline;
-    const double ci = each ? body->stiffness_at[i] : body->stiffness;
-    const double cj = each ? body->stiffness_at[j] : body->stiffness;
-    const double before = sdr_law_softens(law) ? body->loose_history[slot] : 0.0;
-    const sdr_flags flags = flagged ? body->loose_flags[slot] : 0;
-    const double fi = precise_answer(law, 1, s, before, flags & SDR_LOST_I, qi, ri).force;
-    const double fj = precise_answer(law, 1, s, before, flags & SDR_LOST_J, qj, rj).force;
-    const double phi = (loose->weight_ij[slot] * ci * fi + loose->weight_ji[slot] * cj * fj) /
-                       (sqrt(square) * ratio);
-    for (int a = 0; a < components; ++a) sum[a][lane] += phi * (xi[a] + e[a]);
+    const sdr_precise_slot p =
+        precise_slot(components, law, each, flagged, in, point + lane, column + lane);
+    const double phi = (p.weight_ij * p.ij.force + p.weight_ji * p.ji.force) / (p.length * p.ratio);
+    sum[0][lane] += phi * p.now.x;
+    if (components > 1) sum[1][lane] += phi * p.now.y;
+    if (components > 2) sum[2][lane] += phi * p.now.z;
   }
 }
 
@@ -270,14 +335,59 @@ SDR_INLINE void precise_force_of_loose(const int components, const int law, cons
                                        double *const u[3], double *const f[3])
 {
   const int64_t *const slot = body->bonds->loose.chunk_slot;
+  const int flagged = !sdr_law_softens(law) && body->loose_flags;
+  const sdr_precise_loose in = precise_loose(body, u);
   for (int64_t chunk = first; chunk < end; ++chunk) {
     const int64_t point = chunk * SDR_LANES;
     _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
     for (int64_t column = slot[chunk]; column < slot[chunk + 1]; column += SDR_LANES)
-      precise_column(components, law, each, body, point, column, u, sum);
+      if (flagged)
+        precise_column(components, law, each, 1, in, point, column, sum);
+      else
+        precise_column(components, law, each, 0, in, point, column, sum);
     for (int a = 0; a < components; ++a)
       for (int lane = 0; lane < SDR_LANES; ++lane) f[a][point + lane] += sum[a][lane];
   }
+}
+
+/* Each slot books the directed bond of its own lane. */
+SDR_INLINE void precise_column_energies(const int components, const int law, const int each,
+                                        const int flagged, const sdr_precise_loose in,
+                                        int64_t point, int64_t column, sdr_stripe_energies *sum)
+{
+  double stored = 0.0, dissipated = 0.0, most = sum->max_damage, broken = 0.0;
+#pragma omp simd reduction(+ : stored, dissipated, broken) reduction(max : most)
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const sdr_precise_slot p =
+        precise_slot(components, law, each, flagged, in, point + lane, column + lane);
+    const double weight = p.weight_ij * p.length;
+    const double kept = 1.0 - (double)((p.flags & SDR_CUT) / SDR_CUT);
+    const double present = weight > 0.0 ? kept : 0.0;
+    const double damage = present * p.ij.damage;
+    stored += weight * p.ij.stored;
+    dissipated += weight * p.ij.dissipated;
+    broken += damage > 0.5 ? 1.0 : 0.0;
+    most = most > damage ? most : damage;
+  }
+  sum->stored += stored;
+  sum->dissipated += dissipated;
+  sum->broken += (int64_t)broken;
+  sum->max_damage = most;
+}
+
+SDR_INLINE void precise_energies_of_loose(const int components, const int law, const int each,
+                                          const sdr_bond_body *body, int64_t first, int64_t end,
+                                          double *const u[3], sdr_stripe_energies *sum)
+{
+  const int64_t *const slot = body->bonds->loose.chunk_slot;
+  const int flagged = !sdr_law_softens(law) && body->loose_flags;
+  const sdr_precise_loose in = precise_loose(body, u);
+  for (int64_t chunk = first; chunk < end; ++chunk)
+    for (int64_t column = slot[chunk]; column < slot[chunk + 1]; column += SDR_LANES)
+      if (flagged)
+        precise_column_energies(components, law, each, 1, in, chunk * SDR_LANES, column, sum);
+      else
+        precise_column_energies(components, law, each, 0, in, chunk * SDR_LANES, column, sum);
 }
 
 #endif

@@ -23,6 +23,12 @@
                                          double *const u[3], sdr_stripe_energies *sum)             \
   {                                                                                                \
     precise_energies_of_runs(n, code, each, body, first, end, u, sum);                             \
+  }                                                                                                \
+  static void loose_energies_##law##_##n##each(const sdr_bond_body *body, int64_t first,           \
+                                               int64_t end, double *const u[3],                    \
+                                               sdr_stripe_energies *sum)                           \
+  {                                                                                                \
+    precise_energies_of_loose(n, code, each, body, first, end, u, sum);                            \
   }
 #define SDR_PRECISE_LAW(law, code)                                                                 \
   SDR_PRECISE(law, code, 1, 0)                                                                     \
@@ -41,8 +47,10 @@ SDR_LAWS(SDR_PRECISE_LAW)
 #define SDR_PRECISE_FORCE_ROW(law, code) SDR_PRECISE_ROW(force, law, code)
 #define SDR_PRECISE_LOOSE_ROW(law, code) SDR_PRECISE_ROW(loose, law, code)
 #define SDR_PRECISE_ENERGIES_ROW(law, code) SDR_PRECISE_ROW(energies, law, code)
+#define SDR_LOOSE_ENERGIES_ROW(law, code) SDR_PRECISE_ROW(loose_energies, law, code)
 
 const sdr_precise_kernels SDR_JOIN(sdr_precise_kernels_, SDR_ISA) = {
     .run_force = {SDR_LAWS(SDR_PRECISE_FORCE_ROW)},
     .loose_force = {SDR_LAWS(SDR_PRECISE_LOOSE_ROW)},
-    .run_energies = {SDR_LAWS(SDR_PRECISE_ENERGIES_ROW)}};
+    .run_energies = {SDR_LAWS(SDR_PRECISE_ENERGIES_ROW)},
+    .loose_energies = {SDR_LAWS(SDR_LOOSE_ENERGIES_ROW)}};
