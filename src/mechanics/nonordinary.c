@@ -96,13 +96,6 @@ static void state_blocks(sdr_model *model, sdr_state_block *blocks, int *count)
   blocks[(*count)++] = (sdr_state_block){"stale", &own->stale, sizeof own->stale};
 }
 
-static void refresh(sdr_nonordinary_model *model)
-{
-  if (!model->stale) return;
-  sdr_nonordinary_families(model, 1);
-  model->stale = 0;
-}
-
 /* ---- operations ------------------------------------------------------------------------------ */
 
 /* The arrays of the shared part may have come since: flags with the first mark. */
@@ -129,7 +122,7 @@ static sdr_nonordinary_call call_of(sdr_nonordinary_model *model, int task, doub
   const int n = model->state.head.points->components;
   call.states = model->kernels->state[n - 1][!call.linear][task];
   sdr_state_watch(&model->state, u);
-  refresh(model);
+  sdr_nonordinary_refresh(model);
   return call;
 }
 
@@ -153,7 +146,7 @@ static void force_commit(sdr_model *model, double *const u[3], double *const v[3
 {
   sdr_nonordinary_model *own = model_of(model);
   if (own->state.law == SDR_LAW_CRITICAL_STRETCH) {
-    refresh(own);
+    sdr_nonordinary_refresh(own);
     sdr_nonordinary_break(own, u);
     sdr_state_book(&own->state, u, v, dt);
   }
@@ -171,7 +164,7 @@ static void reference_times(sdr_model *model, double *const v[3], double *const 
 {
   sdr_nonordinary_model *own = model_of(model);
   const int n = model->points->components;
-  refresh(own);
+  sdr_nonordinary_refresh(own);
   sdr_nonordinary_call call = {.model = own, .body = body_now(own), .linear = 1, .u = v, .f = out};
   call.body.lambda = own->reference_lambda;
   call.body.mu = own->reference_mu;
@@ -205,18 +198,27 @@ static void destroy(sdr_model *model)
     sdr_free(own->body.gradient[k]);
     sdr_free(own->body.bearing[k]);
   }
-  void *const blocks[] = {
-      own->body.shear,     own->body.normal,      own->body.square,     own->body.along,
-      own->body.soft,      own->body.stiff,       own->lambda,          own->mu,
-      own->body.blocks,    own->body.bundles,     own->body.directions, own->control_shear,
-      own->control_normal, own->reference_lambda, own->reference_mu,    own->limit,
-      own->found,          own->found_loose,      own->first,           own->member};
+  void *const blocks[] = {own->body.shear,      own->body.normal,
+                          own->body.square,     own->body.along,
+                          own->body.soft,       own->body.stiff,
+                          own->lambda,          own->mu,
+                          own->body.blocks,     own->body.bundles,
+                          own->body.directions, own->control_shear,
+                          own->control_normal,  own->reference_lambda,
+                          own->reference_mu,    own->limit,
+                          own->whole,           own->least,
+                          own->whole_lambda,    own->whole_mu,
+                          own->found,           own->found_loose,
+                          own->first,           own->member};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   sdr_free(own);
 }
 
-static const sdr_state_hooks hooks = {
-    .isa = isa, .split = split, .remake = remake, .book = sdr_nonordinary_book};
+static const sdr_state_hooks hooks = {.isa = isa,
+                                      .split = split,
+                                      .remake = remake,
+                                      .book = sdr_nonordinary_book,
+                                      .remake_fresh = sdr_nonordinary_remake_fresh};
 
 static void traits(const sdr_model *model, sdr_model_traits *out)
 {
@@ -264,7 +266,11 @@ static sdr_status alloc_all(sdr_nonordinary_model *model)
                              &model->control_normal,
                              &model->reference_lambda,
                              &model->reference_mu,
-                             &model->limit};
+                             &model->limit,
+                             &model->whole,
+                             &model->least,
+                             &model->whole_lambda,
+                             &model->whole_mu};
   int failed = 0;
   for (size_t k = 0; k < sizeof single / sizeof *single; ++k)
     failed |= !(*single[k] = sdr_alloc(padded, sizeof(double)));
@@ -314,15 +320,12 @@ static sdr_status set_control(sdr_nonordinary_model *model, const sdr_state_base
 static sdr_status set_constants(sdr_nonordinary_model *model, const sdr_state_based_how *how)
 {
   const sdr_points *points = model->state.head.points;
-  const int n = points->components;
   for (int32_t i = 0; i < points->count; ++i) {
     const double nu = how->dimension == SDR_1D ? 0.0 : how->poisson[points->material[i]];
     const sdr_moduli moduli = sdr_moduli_of(how->dimension, how->elasticity, how->young[i], nu);
-    model->lambda[i] = moduli.lambda;
-    model->mu[i] = moduli.mu;
+    model->whole_lambda[i] = moduli.lambda;
+    model->whole_mu[i] = moduli.mu;
     model->body.plane_stress = moduli.plane_stress;
-    model->reference_mu[i] = model->state.shear[i];
-    model->reference_lambda[i] = model->state.bulk[i] - 2.0 * model->state.shear[i] / n;
     if (!model->state.threshold) continue;
     const double s = sqrt(model->state.threshold[i]);
     /* a little less: what is found here is looked at again */

@@ -10,10 +10,10 @@
 
 /* Above this ratio of eigenvalues a shape tensor counts as singular. */
 static const double worst_condition = 1e8;
-/* Of a family that lost bonds: the stiffness of a point goes with the inverse of the least
-   eigenvalue, so a family that has shrunk to almost a line asks for steps that no intact body needs
-   (and bursts under those that it has). Surfaces and corners of lattices stay below 6. */
-static const double worst_torn_condition = 20.0;
+/* The stiffness of a point goes with the square of the inverse of its shape tensor K. Where lost bonds
+   have brought the least eigenvalue of K below this share of the first, the moduli fade with its
+   square, so that the step that suited the whole body still does. A plane cut leaves 1/2. */
+static const double least_share = 0.3;
 
 static sdr_flags flags_of(const sdr_state_body *state, const sdr_pair *pair)
 {
@@ -83,38 +83,72 @@ static double adjugate(int n, const double k[6], double a[6])
   return k[0] * a[0] + k[1] * a[1] + k[2] * a[2];
 }
 
-/* Ratio of the eigenvalues of k; 0 for an empty family, infinite for a singular one. */
-static double condition_of(int n, const double k[6])
+/* Least and largest eigenvalue of k. */
+typedef struct {
+  double least, most;
+} extremes;
+
+static extremes extremes_of(int n, const double k[6])
 {
   double full[9] = {0.0}, e[3], v[9];
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) full[3 * a + b] = k[sdr_upper(n, a, b)];
   sdr_eigen3(full, e, v);
-  double least = e[0], most = e[0];
+  extremes of = {e[0], e[0]};
   for (int a = 1; a < n; ++a) {
-    least = fmin(least, e[a]);
-    most = fmax(most, e[a]);
+    of.least = fmin(of.least, e[a]);
+    of.most = fmax(of.most, e[a]);
   }
-  if (!(most > 0.0)) return 0.0;
-  return least > 0.0 ? most / least : (double)INFINITY;
+  return of;
 }
 
-/* K^-1 and the control of point i; 0 if K has none, and the point carries nothing. */
-static int invert(sdr_nonordinary_model *model, int32_t i, double worst)
+/* Their ratio; 0 for an empty family, infinite for a singular one. */
+static double condition_of(const extremes *k)
+{
+  if (!(k->most > 0.0)) return 0.0;
+  return k->least > 0.0 ? k->most / k->least : (double)INFINITY;
+}
+
+/* Note what the family of point i is at the start. */
+static void note_whole(sdr_nonordinary_model *model, int32_t i)
+{
+  const int n = model->state.head.points->components;
+  double k[6] = {0.0};
+  for (int e = 0; e < n * (n + 1) / 2; ++e) k[e] = model->body.inverse[e][i];
+  model->least[i] = least_share * extremes_of(n, k).least;
+  model->whole[i] = 0.0;
+  for (int e = 0; e < n; ++e) model->whole[i] += k[sdr_upper(n, e, e)];
+}
+
+/* Let point i have `share` of its moduli. */
+static void soften(sdr_nonordinary_model *model, int32_t i, double share)
+{
+  const sdr_state_body *state = &model->state;
+  const int n = state->head.points->components;
+  model->lambda[i] = share * model->whole_lambda[i];
+  model->mu[i] = share * model->whole_mu[i];
+  model->reference_mu[i] = share * state->shear[i];
+  model->reference_lambda[i] = share * (state->bulk[i] - 2.0 * state->shear[i] / n);
+}
+
+/* K^-1, control and moduli of point i; 0 if K has no inverse, and the point carries nothing. */
+static int invert(sdr_nonordinary_model *model, int32_t i)
 {
   const sdr_points *points = model->state.head.points;
   const int n = points->components, size = n * (n + 1) / 2;
-  double k[6] = {0.0}, a[6], trace = 0.0;
+  double k[6] = {0.0}, a[6];
   for (int e = 0; e < size; ++e) k[e] = model->body.inverse[e][i];
-  for (int e = 0; e < n; ++e) trace += k[sdr_upper(n, e, e)];
-  const double condition = condition_of(n, k), determinant = adjugate(n, k, a);
-  const int sound = condition >= 1.0 && condition <= worst;
+  const extremes of = extremes_of(n, k);
+  const double determinant = adjugate(n, k, a), condition = condition_of(&of);
+  const int sound = condition >= 1.0 && condition <= worst_condition;
+  const double share = sound && of.least < model->least[i] ? of.least / model->least[i] : 1.0;
   for (int e = 0; e < size; ++e) model->body.inverse[e][i] = sound ? a[e] / determinant : 0.0;
-  const double volume = sound ? points->volume[i] / trace : 0.0;
+  const double volume = sound ? points->volume[i] / model->whole[i] : 0.0;
   model->body.shear[i] = volume * model->control_shear[i];
   model->body.normal[i] = volume * model->control_normal[i];
   model->body.soft[i] = model->body.shear[i];
   model->body.stiff[i] = model->body.normal[i];
+  soften(model, i, share * share);
   return sound || condition == 0.0;
 }
 
@@ -124,7 +158,8 @@ static double condition_at(const sdr_nonordinary_model *model, int32_t i)
   const int n = model->state.head.points->components;
   double k[6] = {0.0};
   for (int e = 0; e < n * (n + 1) / 2; ++e) k[e] = model->body.inverse[e][i];
-  return condition_of(n, k);
+  const extremes of = extremes_of(n, k);
+  return condition_of(&of);
 }
 
 static sdr_status singular(const sdr_points *points, int32_t i)
@@ -137,19 +172,34 @@ static sdr_status singular(const sdr_points *points, int32_t i)
                   points->components > 2 ? "plane" : "line");
 }
 
-sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
+/* Sums and inverses of all families as the flags leave them. */
+static void make_families(sdr_nonordinary_model *model, int first)
 {
   const sdr_points *points = model->state.head.points;
   families_call call = {model, 0};
   for (int32_t i = 0; i < points->count; ++i) clear_moments(model, i);
   sdr_bonds_visit(model->state.bonds, points, add_family, &call);
+  for (int32_t i = 0; first && i < points->count; ++i) note_whole(model, i);
+}
+
+sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
+{
+  const sdr_points *points = model->state.head.points;
+  make_families(model, 1);
   model->condition = 0.0;
   for (int32_t i = 0; i < points->count; ++i) {
-    if (!invert(model, i, may_fail ? worst_torn_condition : worst_condition) && !may_fail)
-      return singular(points, i);
+    if (!invert(model, i) && !may_fail) return singular(points, i);
     model->condition = fmax(model->condition, condition_at(model, i));
   }
   return SDR_OK;
+}
+
+void sdr_nonordinary_refresh(sdr_nonordinary_model *model)
+{
+  if (!model->stale) return;
+  make_families(model, 0);
+  for (int32_t i = 0; i < model->state.head.points->count; ++i) invert(model, i);
+  model->stale = 0;
 }
 
 /* ---- bonds that break ------------------------------------------------------------------------ */
@@ -333,7 +383,7 @@ static void clear_sums(const sdr_nonordinary_model *model, int32_t i)
   model->body.square[i] = model->body.along[i] = 0.0;
 }
 
-/* booked += factor times the energy of each fresh point. */
+/* release += factor times the energy of each fresh point. */
 static void add_energies(book_call *call)
 {
   sdr_nonordinary_model *model = call->model;
@@ -349,7 +399,7 @@ static void add_energies(book_call *call)
   for (int32_t i = 0; i < points->count; ++i) {
     if (!state->fresh[i]) continue;
     sdr_nonordinary_energy(model, i);
-    state->booked[i] += call->factor * points->volume[i] * (state->plus[i] + state->minus[i]);
+    state->release[i] += call->factor * points->volume[i] * (state->plus[i] + state->minus[i]);
   }
 }
 
@@ -365,18 +415,24 @@ static void add_all_energies(book_call *call, double sign, double dt)
   }
 }
 
-void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *const v[3], double dt)
+/* The families of fresh points as the flags leave them. */
+void sdr_nonordinary_remake_fresh(sdr_state_body *state)
 {
   sdr_nonordinary_model *model = (sdr_nonordinary_model *)state;
   const sdr_points *points = state->head.points;
-  book_call call = {.model = model, .u = u, .v = v, .before = 1};
   families_call families = {model, 1};
-  add_all_energies(&call, 1.0, dt);
   for (int32_t i = 0; i < points->count; ++i)
     if (state->fresh[i]) clear_moments(model, i);
   sdr_each_stripe(points, family_fresh, &families);
   for (int32_t i = 0; i < points->count; ++i)
-    if (state->fresh[i]) invert(model, i, worst_torn_condition);
+    if (state->fresh[i]) invert(model, i);
+}
+
+void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *const v[3], double dt)
+{
+  book_call call = {.model = (sdr_nonordinary_model *)state, .u = u, .v = v, .before = 1};
+  add_all_energies(&call, 1.0, dt);
+  sdr_nonordinary_remake_fresh(state);
   call.before = 0;
   add_all_energies(&call, -1.0, dt);
 }

@@ -25,6 +25,9 @@ typedef struct {
   double *control_shear; /* Pa: P_s and P_n */
   double *control_normal;
   double condition; /* largest ratio of eigenvalues of a shape tensor, before any bond breaks */
+  double *whole;    /* trace of each shape tensor before any bond breaks */
+  double *least;    /* of its least eigenvalue: below it the point's moduli fade */
+  double *whole_lambda, *whole_mu;         /* Pa, of the law, before any bond breaks */
   double *reference_lambda, *reference_mu; /* Pa, of the law for small strains */
   double *limit;                           /* critical_stretch: s0 (2 + s0) */
   uint8_t *found, *found_loose;            /* a run, a chunk */
@@ -59,6 +62,9 @@ void sdr_nonordinary_gradient(const sdr_nonordinary_model *model, int32_t i);
 /* Shape tensors, moments and control of all families as the flags leave them. A point without an
    invertible shape tensor is named in the error; `may_fail`: it carries nothing instead. */
 sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail);
+/* The same for flags that have come from a checkpoint. */
+void sdr_nonordinary_refresh(sdr_nonordinary_model *model);
+void sdr_nonordinary_remake_fresh(sdr_state_body *state);
 
 /* Break what u stretches too far (critical_stretch). */
 void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3]);

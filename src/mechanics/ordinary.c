@@ -104,20 +104,14 @@ static void each_force(pass *call)
     sdr_parallel_for(0, points->stripe_count, 1, loose_force_of_stripe, call);
 }
 
-static void compute_force(sdr_ordinary *o, int commit, double *const u[3], double *const f[3])
+/* Forces of the sums and flags as they are. */
+static void force_of_sums(sdr_ordinary *o, int commit, double *const u[3], double *const f[3])
 {
-  const int n = o->body.head.points->components - 1, law = (int)o->body.law;
-  const int critical = law == SDR_LAW_CRITICAL_STRETCH, variational = law == SDR_LAW_VARIATIONAL;
-  const int grow = critical && !commit;
-  sdr_ordinary_sum(o, u,
-                   !critical ? SDR_FLAGS_KEEP
-                   : commit  ? SDR_FLAGS_COMMIT
-                             : SDR_FLAGS_GROW,
-                   variational);
+  const int n = o->body.head.points->components - 1;
   pass call = {.o = o,
-               .run_force = o->kernels->run_force[n][grow],
-               .loose_force = o->kernels->loose_force[n][grow],
-               .points = o->kernels->points[law],
+               .run_force = o->kernels->run_force[n],
+               .loose_force = o->kernels->loose_force[n],
+               .points = o->kernels->points[o->body.law],
                .u = u,
                .f = f,
                .commit = commit};
@@ -126,15 +120,20 @@ static void compute_force(sdr_ordinary *o, int commit, double *const u[3], doubl
 
 static void force(sdr_model *model, double *const u[3], double *const f[3])
 {
-  compute_force((sdr_ordinary *)model, 0, u, f);
+  sdr_ordinary *o = (sdr_ordinary *)model;
+  sdr_ordinary_sum(o, u, SDR_FLAGS_KEEP, o->body.law == SDR_LAW_VARIATIONAL);
+  force_of_sums(o, 0, u, f);
 }
 
 static void force_commit(sdr_model *model, double *const u[3], double *const v[3], double dt,
                          double *const f[3])
 {
   sdr_ordinary *o = (sdr_ordinary *)model;
-  compute_force(o, 1, u, f);
-  if (o->body.booked) sdr_state_book(&o->body, u, v, dt);
+  const int breaks = o->body.law == SDR_LAW_CRITICAL_STRETCH;
+  sdr_ordinary_sum(o, u, breaks ? SDR_FLAGS_COMMIT : SDR_FLAGS_KEEP,
+                   o->body.law == SDR_LAW_VARIATIONAL);
+  if (breaks) sdr_state_book(&o->body, u, v, dt);
+  force_of_sums(o, 1, u, f);
 }
 
 /* The stiffness of the reference shape is the force of small displacements, with no rest. */
@@ -187,19 +186,19 @@ static void split(sdr_state_body *body, double *const u[3])
   sdr_parallel_for(0, body->head.points->stripe_count, 1, split_stripe, o);
 }
 
-static void add_moment(void *context, const sdr_pair *pair)
+static void add_whole(void *context, const sdr_pair *pair)
 {
   sdr_ordinary *o = context;
   const sdr_flags *flags = pair->loose ? o->body.loose_flags : o->body.flags;
   if (flags && flags[pair->slot] & SDR_CUT) return;
-  o->moment[pair->i] += sdr_ordinary_p(o, pair, pair->weight_ij);
-  if (!pair->loose) o->moment[pair->j] += sdr_ordinary_p(o, pair, pair->weight_ji);
+  o->whole[pair->i] += sdr_ordinary_r(o, pair, pair->weight_ij);
+  if (!pair->loose) o->whole[pair->j] += sdr_ordinary_r(o, pair, pair->weight_ji);
 }
 
-/* 000 eq. 42; points without a bond have no constants. */
+/* 000 eq. 42, where P^2/Q = P; points without a bond have no constants. */
 static void standard_constants(sdr_ordinary *o, int32_t i)
 {
-  const double n = o->body.head.points->components, shear = o->body.shear[i], m = o->moment[i];
+  const double n = o->body.head.points->components, shear = o->body.shear[i], m = o->whole[i];
   o->t[i] = m > 0.0 ? n / m : 0.0;
   o->b[i] = m > 0.0 ? 0.5 * n * (n + 2.0) * shear / m : 0.0;
   o->a[i] = 0.5 * (n + 2.0) * shear / n;
@@ -223,8 +222,8 @@ static sdr_status remake(sdr_state_body *body)
 {
   sdr_ordinary *o = (sdr_ordinary *)body;
   const sdr_points *points = body->head.points;
-  zero_range(o->moment, 0, points->count);
-  sdr_bonds_visit(body->bonds, points, add_moment, o);
+  zero_range(o->whole, 0, points->count);
+  sdr_bonds_visit(body->bonds, points, add_whole, o);
   for (int32_t i = 0; i < points->count; ++i)
     if (o->form == SDR_FORM_MADENCI_OTERKUS)
       printed_constants(o, i);
@@ -233,8 +232,11 @@ static sdr_status remake(sdr_state_body *body)
   return SDR_OK;
 }
 
-static const sdr_state_hooks hooks = {
-    .isa = isa, .split = split, .remake = remake, .book = sdr_ordinary_book};
+static const sdr_state_hooks hooks = {.isa = isa,
+                                      .split = split,
+                                      .remake = remake,
+                                      .book = sdr_ordinary_book,
+                                      .remake_fresh = sdr_ordinary_remake_fresh};
 
 /* ---- creation -------------------------------------------------------------------------------- */
 
@@ -243,7 +245,7 @@ static void destroy(sdr_model *model)
   sdr_ordinary *o = (sdr_ordinary *)model;
   if (!o) return;
   sdr_state_body_clear(&o->body);
-  void *const blocks[] = {o->classes, o->t,      o->a,    o->b,     o->moment,
+  void *const blocks[] = {o->classes, o->t,      o->a,    o->b,     o->whole,
                           o->sum,     o->square, o->lost, o->along, o->across};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   for (int k = 0; k < SDR_ORDINARY_BOOKS; ++k) sdr_free(o->book[k]);
@@ -283,6 +285,8 @@ static sdr_status set_classes(sdr_ordinary *o)
     to->p_ji = sdr_ordinary_p(o, &pair, from->weight_ji);
     to->q_ij = sdr_ordinary_q(o, &pair, from->weight_ij);
     to->q_ji = sdr_ordinary_q(o, &pair, from->weight_ji);
+    to->r_ij = sdr_ordinary_r(o, &pair, from->weight_ij);
+    to->r_ji = sdr_ordinary_r(o, &pair, from->weight_ji);
     to->pf_ij = to->p_ij * from->inverse_square;
     to->pf_ji = to->p_ji * from->inverse_square;
     to->qf_ij = to->q_ij * from->inverse_square;
@@ -294,7 +298,7 @@ static sdr_status set_classes(sdr_ordinary *o)
 static sdr_status alloc_arrays(sdr_ordinary *o)
 {
   const size_t padded = sdr_points_padded(o->body.head.points);
-  double **const arrays[] = {&o->t,   &o->a,      &o->b,     &o->moment,
+  double **const arrays[] = {&o->t,   &o->a,      &o->b,     &o->whole,
                              &o->sum, &o->square, &o->along, &o->across};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; ++k)
     if (!(*arrays[k] = sdr_alloc(padded, sizeof(double)))) return SDR_RUN_FAILED;

@@ -9,7 +9,7 @@
    is SDR_FLAGS_KEEP). */
 void sdr_ordinary_sum(sdr_ordinary *o, double *const u[3], sdr_flags_use use, int squares);
 
-/* P and Q of the half i -> j of a pair. */
+/* P, Q and P^2/Q of the half i -> j of a pair. */
 static inline double sdr_ordinary_p(const sdr_ordinary *o, const sdr_pair *pair, double weight)
 {
   return o->form == SDR_FORM_MADENCI_OTERKUS ? weight : weight * pair->length * pair->length;
@@ -18,6 +18,11 @@ static inline double sdr_ordinary_q(const sdr_ordinary *o, const sdr_pair *pair,
 {
   return weight * pair->length * (o->form == SDR_FORM_MADENCI_OTERKUS ? 1.0 : pair->length);
 }
+static inline double sdr_ordinary_r(const sdr_ordinary *o, const sdr_pair *pair, double weight)
+{
+  return o->form == SDR_FORM_MADENCI_OTERKUS ? weight / pair->length
+                                             : weight * pair->length * pair->length;
+}
 
 /* s0^2 of every point, such that a plane cut takes Gc (J/m^2, a material index), as nearly as can
    be for cuts in any direction. */
@@ -25,6 +30,7 @@ sdr_status sdr_ordinary_set_threshold(sdr_ordinary *o, const double *toughness);
 
 /* Parts of the model in their own files. */
 void sdr_ordinary_book(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
+void sdr_ordinary_remake_fresh(sdr_state_body *body);
 sdr_status sdr_ordinary_field(sdr_model *model, double *const u[3], sdr_model_field which,
                               double *out);
 void sdr_ordinary_reference_times(sdr_model *model, double *const v[3], double *const out[3]);

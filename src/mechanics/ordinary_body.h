@@ -11,7 +11,8 @@
        standard         P = Q = w xi^2, M = sum P, t = n/M, B = n (n+2) G/(2 M), A = (n+2) G/(2 n)
        madenci_oterkus  P = w, Q = w |xi|, t = d delta/V, B = b delta/V, A = G  (2-D, printed b, d)
 
-   Damage: (1-d)^2 on B Q - A theta^2, and on 1/2 K theta^2 where theta > 0. */
+   Damage: (1-d)^2 on B Q - A theta^2, and on 1/2 K theta^2 where theta > 0. Lost bonds: see
+   sdr_ordinary_torn. */
 #ifndef SDR_MECHANICS_ORDINARY_BODY_H
 #define SDR_MECHANICS_ORDINARY_BODY_H
 
@@ -22,6 +23,7 @@ typedef struct {
   double xi[3], inverse_square;      /* 1/xi^2 */
   double p_ij, p_ji, q_ij, q_ji;     /* P and Q of both halves */
   double pf_ij, pf_ji, qf_ij, qf_ji; /* over xi^2: for forces */
+  double r_ij, r_ji;                 /* P^2/Q */
 } sdr_ordinary_class;
 
 typedef struct sdr_ordinary_kernels sdr_ordinary_kernels;
@@ -35,20 +37,20 @@ typedef struct {
   sdr_ordinary_class *classes; /* one for each of the bonds' */
   /* Constants of a point with all its bonds; 0 where it has none. */
   double *t, *a, *b; /* t, A, B above */
-  double *moment;    /* sum P */
+  double *whole;     /* sum P^2/Q */
   double weakest;    /* critical_stretch: the least s0^2 */
   int one_threshold; /* 1: it is every point's */
-  /* Of the present state, scratch: S, Q, sum P of halves lost since the start (critical_stretch),
-     and the coefficients of the forces. */
+  /* Of the present state, scratch: S, Q, sum P^2/Q of halves lost since the start
+     (critical_stretch), and the coefficients of the forces. */
   double *sum, *square, *lost;
   double *along, *across; /* a and c above, damage included */
   double *slope[2];       /* tangents: what a and c change by; made when first asked for */
   double *book[SDR_ORDINARY_BOOKS]; /* critical_stretch: see ordinary_book.c */
 } sdr_ordinary;
 
-/* Which bonds a pass counts: those that the flags leave; those that present stretches leave too;
-   the same, and flags take it in. */
-typedef enum { SDR_FLAGS_KEEP, SDR_FLAGS_GROW, SDR_FLAGS_COMMIT } sdr_flags_use;
+/* Which bonds a pass counts: those that the flags leave; those that present stretches leave too,
+   and flags take it in. */
+typedef enum { SDR_FLAGS_KEEP, SDR_FLAGS_COMMIT } sdr_flags_use;
 
 /* Add to S, lost and, with squares, Q. Runs or chunks [first, end). */
 typedef void (*sdr_ordinary_sums)(sdr_ordinary *body, int64_t first, int64_t end,
@@ -62,11 +64,10 @@ typedef void (*sdr_ordinary_points)(sdr_ordinary *body, int64_t first, int64_t e
 struct sdr_ordinary_kernels {
   const char *name; /* "avx512", "avx2", "baseline" */
   /* [components - 1][sdr_flags_use]; squares come with KEEP only */
-  sdr_ordinary_sums run_sums[3][3], loose_sums[3][3];
+  sdr_ordinary_sums run_sums[3][2], loose_sums[3][2];
   sdr_ordinary_sums run_squares[3], loose_squares[3];
-  /* [components - 1][KEEP or GROW] */
-  sdr_ordinary_force run_force[3][2], loose_force[3][2];
-  sdr_ordinary_points points[3]; /* [law] */
+  sdr_ordinary_force run_force[3], loose_force[3]; /* [components - 1] */
+  sdr_ordinary_points points[3];                   /* [law] */
   /* The same for a small displacement v of the reference shape: S of linear stretches, and
      f += K v. [components - 1] */
   sdr_ordinary_sums run_linear_sums[3], loose_linear_sums[3];
@@ -78,21 +79,23 @@ extern const sdr_ordinary_kernels sdr_ordinary_kernels_baseline;
 extern const sdr_ordinary_kernels sdr_ordinary_kernels_avx2, sdr_ordinary_kernels_avx512;
 #endif
 
-/* Part of its moment below which a family is no longer made up for: the last bonds of a point in
-   pieces would else grow stiffer than the stable step of the whole body allows. */
-#define SDR_LEAST_FAMILY 0.1
-
-/* t, A and B of point i, its lost bonds made up for. */
+/* t, A and B of point i as its bonds stand. */
 typedef struct {
   double t, a, b;
 } sdr_ordinary_constants;
 
-static inline sdr_ordinary_constants sdr_ordinary_constants_of(double t, double a, double b,
-                                                               double moment, double lost)
+/* A of a family that has lost halves with sum P^2/Q = `lost`. Their stretches no longer hang on
+   displacements and take the values that cost least: with k = K - 2 A
+
+     min over lost s of 1/2 k t^2 (S + sum P s)^2 + B sum Q s^2 = 1/2 k' t^2 S^2,
+     k' = k/(1 + k t^2 lost/(2 B)).
+
+   So no loss can raise the energy of any state, nor any stiffness (theory sec. 9). */
+static inline double sdr_ordinary_torn(const sdr_ordinary_constants *of, double bulk, double lost)
 {
-  const double share = moment > 0.0 ? 1.0 - lost / moment : 1.0;
-  const double counted = share > SDR_LEAST_FAMILY ? share : SDR_LEAST_FAMILY;
-  return (sdr_ordinary_constants){t / counted, a * (2.0 - share / counted), b / counted};
+  const double over = bulk - 2.0 * of->a;
+  const double left = over / (1.0 + 0.5 * over * of->t * of->t * lost / of->b);
+  return lost > 0.0 ? 0.5 * (bulk - left) : of->a;
 }
 
 /* The state of a point from its sums. Q is read with variational damage only. */
@@ -109,12 +112,12 @@ static inline sdr_ordinary_point sdr_ordinary_point_of(const sdr_ordinary_consta
                               theta > 0.0 ? 0.0 : volumetric};
 }
 
-/* Constants of point i as its bonds stand: sums over lost ones must be those of the last pass. */
+/* Constants of point i: sums over lost halves must be those of the last pass. */
 static inline sdr_ordinary_constants sdr_ordinary_now(const sdr_ordinary *o, int32_t i)
 {
-  if (!o->lost || o->form == SDR_FORM_MADENCI_OTERKUS)
-    return (sdr_ordinary_constants){o->t[i], o->a[i], o->b[i]};
-  return sdr_ordinary_constants_of(o->t[i], o->a[i], o->b[i], o->moment[i], o->lost[i]);
+  sdr_ordinary_constants of = {o->t[i], o->a[i], o->b[i]};
+  if (o->lost) of.a = sdr_ordinary_torn(&of, o->body.bulk[i], o->lost[i]);
+  return of;
 }
 
 #endif

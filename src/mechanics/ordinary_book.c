@@ -1,13 +1,13 @@
-/* What ordinary bodies lose with a bond: the energy of its owner, moments and dilatation of the
-   family changed with it. The energy is quadratic in the stretches of the family, so leapfrog loses
+/* What ordinary bodies lose with a bond: energy of its owner, whose dilatation the bond leaves. The
+   energy is quadratic in the stretches of the family, so leapfrog loses
    the difference of two products of the stretches before and after the step (theory sec. 4). */
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 #include "mechanics/ordinary.h"
 
 /* Sums over the bonds that a point keeps, and over those that it loses now: P s before the step,
-   P s after it, Q times both, P. */
-enum { BEFORE, AFTER, PRODUCT, MOMENT, SUMS, LOSING = SUMS };
+   P s after it, Q times both, P^2/Q. */
+enum { BEFORE, AFTER, PRODUCT, RESERVE, SUMS, LOSING = SUMS };
 
 typedef struct {
   sdr_ordinary *o;
@@ -42,7 +42,7 @@ static void add_half(const book_call *call, const sdr_pair *pair, int32_t point,
   book[BEFORE][point] += p * s[0];
   book[AFTER][point] += p * s[1];
   book[PRODUCT][point] += sdr_ordinary_q(o, pair, weight) * s[0] * s[1];
-  book[MOMENT][point] += p;
+  book[RESERVE][point] += sdr_ordinary_r(o, pair, weight);
 }
 
 static void add_pair(void *context, const sdr_pair *pair)
@@ -61,10 +61,8 @@ static void add_pair(void *context, const sdr_pair *pair)
 /* Twice the energy density, as a product of two states of stretch. */
 static double product(const sdr_ordinary *o, int32_t i, const double sum[SUMS])
 {
-  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
-  const double gone = printed ? 0.0 : o->moment[i] - sum[MOMENT];
-  const sdr_ordinary_constants of =
-      sdr_ordinary_constants_of(o->t[i], o->a[i], o->b[i], o->moment[i], gone);
+  sdr_ordinary_constants of = {o->t[i], o->a[i], o->b[i]};
+  of.a = sdr_ordinary_torn(&of, o->body.bulk[i], o->whole[i] - sum[RESERVE]);
   const double theta = of.t * of.t * sum[BEFORE] * sum[AFTER];
   return (o->body.bulk[i] - 2.0 * of.a) * theta + 2.0 * of.b * sum[PRODUCT];
 }
@@ -96,7 +94,18 @@ static void book_stripe(void *context, int s)
       without[k] = o->book[k][i];
       with[k] = without[k] + o->book[LOSING + k][i];
     }
-    o->body.booked[i] += 0.5 * points->volume[i] * (product(o, i, with) - product(o, i, without));
+    o->body.release[i] = 0.5 * points->volume[i] * (product(o, i, with) - product(o, i, without));
+  }
+}
+
+/* The sums that forces are made from, with what their points keep after all. */
+void sdr_ordinary_remake_fresh(sdr_state_body *body)
+{
+  sdr_ordinary *o = (sdr_ordinary *)body;
+  for (int32_t i = 0; i < body->head.points->count; ++i) {
+    if (!body->fresh[i]) continue;
+    o->sum[i] += o->book[LOSING + AFTER][i];
+    o->lost[i] -= o->book[LOSING + RESERVE][i];
   }
 }
 

@@ -154,12 +154,14 @@ static void strain(sdr_ordinary *o, field_call *call, double *out)
   }
 }
 
-/* theta of theory sec. 5. */
+/* theta of theory sec. 5, of the bonds that are left. */
 static void dilatation(sdr_ordinary *o, double *const u[3], double *out)
 {
   sdr_ordinary_sum(o, u, SDR_FLAGS_KEEP, 1);
-  for (int32_t i = 0; i < o->body.head.points->count; ++i)
-    out[i] = sdr_ordinary_now(o, i).t * o->sum[i];
+  for (int32_t i = 0; i < o->body.head.points->count; ++i) {
+    const double left = o->lost ? o->whole[i] - o->lost[i] : o->whole[i];
+    out[i] = left > 1e-12 * o->whole[i] ? o->t[i] * o->sum[i] * o->whole[i] / left : 0.0;
+  }
 }
 
 sdr_status sdr_ordinary_field(sdr_model *model, double *const u[3], sdr_model_field which,

@@ -28,29 +28,27 @@
     else                                                                                           \
       sums_of_loose(n, squares, 0, SDR_LOOSE_UNFLAGGED, linear, o, first, end, u);                 \
   }
-#define SDR_FORCE(n, use, linear)                                                                  \
-  static void run_force_##n##use##linear(const sdr_ordinary *o, int64_t first, int64_t end,        \
-                                         double *const u[3], double *const f[3])                   \
+#define SDR_FORCE(n, linear)                                                                       \
+  static void run_force_##n##linear(const sdr_ordinary *o, int64_t first, int64_t end,             \
+                                    double *const u[3], double *const f[3])                        \
   {                                                                                                \
-    force_of_runs(n, use, linear, o, first, end, u, f);                                            \
+    force_of_runs(n, linear, o, first, end, u, f);                                                 \
   }                                                                                                \
-  static void loose_force_##n##use##linear(const sdr_ordinary *o, int64_t first, int64_t end,      \
-                                           double *const u[3], double *const f[3])                 \
+  static void loose_force_##n##linear(const sdr_ordinary *o, int64_t first, int64_t end,           \
+                                      double *const u[3], double *const f[3])                      \
   {                                                                                                \
     if (o->body.loose_flags)                                                                       \
-      force_of_loose(n, use, SDR_LOOSE_FLAGGED, linear, o, first, end, u, f);                      \
+      force_of_loose(n, SDR_LOOSE_FLAGGED, linear, o, first, end, u, f);                           \
     else                                                                                           \
-      force_of_loose(n, 0, SDR_LOOSE_UNFLAGGED, linear, o, first, end, u, f);                      \
+      force_of_loose(n, SDR_LOOSE_UNFLAGGED, linear, o, first, end, u, f);                         \
   }
 #define SDR_EACH(n)                                                                                \
   SDR_SUMS(n, 0, 0, 0)                                                                             \
   SDR_SUMS(n, 0, 1, 0)                                                                             \
-  SDR_SUMS(n, 0, 2, 0)                                                                             \
   SDR_SUMS(n, 1, 0, 0)                                                                             \
   SDR_SUMS(n, 0, 0, 1)                                                                             \
-  SDR_FORCE(n, 0, 0)                                                                               \
-  SDR_FORCE(n, 1, 0)                                                                               \
-  SDR_FORCE(n, 0, 1)
+  SDR_FORCE(n, 0)                                                                                  \
+  SDR_FORCE(n, 1)
 SDR_EACH(1)
 SDR_EACH(2)
 SDR_EACH(3)
@@ -68,7 +66,7 @@ SDR_LAWS(SDR_POINTS)
 #define SDR_POINTS_ROW(law, code) [code] = points_##law,
 #define SDR_USES(kind, n)                                                                          \
   {                                                                                                \
-    kind##_sums_##n##000, kind##_sums_##n##010, kind##_sums_##n##020                               \
+    kind##_sums_##n##000, kind##_sums_##n##010                                                     \
   }
 
 const sdr_ordinary_kernels SDR_JOIN(sdr_ordinary_kernels_, SDR_ISA) = {
@@ -77,14 +75,10 @@ const sdr_ordinary_kernels SDR_JOIN(sdr_ordinary_kernels_, SDR_ISA) = {
     .loose_sums = {SDR_USES(loose, 1), SDR_USES(loose, 2), SDR_USES(loose, 3)},
     .run_squares = {run_sums_1100, run_sums_2100, run_sums_3100},
     .loose_squares = {loose_sums_1100, loose_sums_2100, loose_sums_3100},
-    .run_force = {{run_force_100, run_force_110},
-                  {run_force_200, run_force_210},
-                  {run_force_300, run_force_310}},
-    .loose_force = {{loose_force_100, loose_force_110},
-                    {loose_force_200, loose_force_210},
-                    {loose_force_300, loose_force_310}},
+    .run_force = {run_force_10, run_force_20, run_force_30},
+    .loose_force = {loose_force_10, loose_force_20, loose_force_30},
     .points = {SDR_LAWS(SDR_POINTS_ROW)},
     .run_linear_sums = {run_sums_1001, run_sums_2001, run_sums_3001},
     .loose_linear_sums = {loose_sums_1001, loose_sums_2001, loose_sums_3001},
-    .run_linear_force = {run_force_101, run_force_201, run_force_301},
-    .loose_linear_force = {loose_force_101, loose_force_201, loose_force_301}};
+    .run_linear_force = {run_force_11, run_force_21, run_force_31},
+    .loose_linear_force = {loose_force_11, loose_force_21, loose_force_31}};

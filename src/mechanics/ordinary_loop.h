@@ -68,16 +68,16 @@ SDR_INLINE sdr_flags sift_block(const int use, const sdr_ordinary *o, const sdr_
     si[k] = grown & SDR_LOST_I ? 0.0 : s[k];
     sj[k] = grown & SDR_LOST_J ? 0.0 : s[k];
     all |= grown;
-    if (use == SDR_FLAGS_COMMIT) flags[k] = grown;
+    if (use) flags[k] = grown;
   }
   return all;
 }
 
-/* lost += p where the half is gone since the start. */
-SDR_INLINE void add_lost(int count, const sdr_flags *flags, sdr_flags half, double p, double *lost)
+/* lost += r where the half is gone since the start. */
+SDR_INLINE void add_lost(int count, const sdr_flags *flags, sdr_flags half, double r, double *lost)
 {
 #pragma omp simd
-  for (int k = 0; k < count; ++k) lost[k] += (flags[k] & (half | SDR_CUT)) == half ? p : 0.0;
+  for (int k = 0; k < count; ++k) lost[k] += (flags[k] & (half | SDR_CUT)) == half ? r : 0.0;
 }
 
 /* A block with flags set, or with stretches that may set some; returns all flags in it. */
@@ -93,8 +93,8 @@ SDR_INLINE sdr_flags add_sifted(const int squares, const int use, sdr_ordinary *
   add_sums(squares, at->count, si, class->p_ij, class->q_ij, o->sum + at->i, qi);
   add_sums(squares, at->count, sj, class->p_ji, class->q_ji, o->sum + at->j, qj);
   if (o->lost && all & (SDR_LOST_I | SDR_LOST_J)) {
-    add_lost(at->count, now, SDR_LOST_I, class->p_ij, o->lost + at->i);
-    add_lost(at->count, now, SDR_LOST_J, class->p_ji, o->lost + at->j);
+    add_lost(at->count, now, SDR_LOST_I, class->r_ij, o->lost + at->i);
+    add_lost(at->count, now, SDR_LOST_J, class->r_ji, o->lost + at->j);
   }
   return all;
 }
@@ -129,7 +129,7 @@ SDR_INLINE void sums_of_runs(const int components, const int squares, const int 
       add_sums(squares, at.count, s, class->p_ij, class->q_ij, o->sum + at.i, qi);
       add_sums(squares, at.count, s, class->p_ji, class->q_ji, o->sum + at.j, qj);
     }
-    if (use != SDR_FLAGS_COMMIT || !all) continue;
+    if (!use || !all) continue;
     o->body.run_flagged[r] = 1;
     if (all & (SDR_FRESH_I | SDR_FRESH_J)) o->body.run_fresh[r] = 1;
   }
@@ -167,15 +167,12 @@ SDR_INLINE void coefficients_of_points(const int law, const int commit, sdr_ordi
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-/* Which bonds a block has: all; those that the flags leave; and that present stretches leave. */
-enum { SDR_BLOCK_WHOLE, SDR_BLOCK_FLAGGED, SDR_BLOCK_GROWN };
-
-/* Forces of a block onto f, or, where i and j points overlap, `into` F. */
-SDR_INLINE void force_of_block(const int components, const int left, const int linear,
+/* Forces of a block onto f, or, where i and j points overlap, `into` F. `flagged`: of the bonds
+   that the flags leave. */
+SDR_INLINE void force_of_block(const int components, const int flagged, const int linear,
                                const sdr_ordinary *o, const sdr_state_pairs *at, double *const u[3],
                                double *const f[3], const int into, double F[3][SDR_STATE_PAIRS])
 {
-  const int flagged = left != SDR_BLOCK_WHOLE, use = left == SDR_BLOCK_GROWN;
   const sdr_ordinary_class *class = &o->classes[at->class_index];
   const double *ui[3] = {NULL}, *uj[3] = {NULL};
   double *to[3] = {NULL}, *fj[3] = {NULL}; /* of the i points, of the j points */
@@ -187,8 +184,6 @@ SDR_INLINE void force_of_block(const int components, const int left, const int l
   }
   const double *const ai = o->along + at->i, *const aj = o->along + at->j;
   const double *const ci = o->across + at->i, *const cj = o->across + at->j;
-  const double *const ti = use ? o->body.threshold + at->i : NULL;
-  const double *const tj = use ? o->body.threshold + at->j : NULL;
   const sdr_flags *const flags = flagged ? o->body.flags + at->slot : NULL;
   const double xx = class->xi[0], xy = class->xi[1], xz = class->xi[2];
   const double pij = class->pf_ij, pji = class->pf_ji, qij = class->qf_ij, qji = class->qf_ji;
@@ -205,9 +200,8 @@ SDR_INLINE void force_of_block(const int components, const int left, const int l
     const sdr_state_stretch now = linear ? (sdr_state_stretch){z, 1.0} : sdr_state_stretch_of(z);
     double hi = pij * ai[k] + qij * ci[k] * now.s, hj = pji * aj[k] + qji * cj[k] * now.s;
     if (flagged) {
-      const sdr_flags grown = use ? grown_flags(flags[k], now.s, ti[k], tj[k]) : flags[k];
-      hi = grown & SDR_LOST_I ? 0.0 : hi;
-      hj = grown & SDR_LOST_J ? 0.0 : hj;
+      hi = flags[k] & SDR_LOST_I ? 0.0 : hi;
+      hj = flags[k] & SDR_LOST_J ? 0.0 : hj;
     }
     const double phi = linear ? -(hi + hj) : (hi + hj) / now.r;
     const double fx = phi * (linear ? xx : xx + ex), fy = phi * (linear ? xy : xy + ey);
@@ -234,24 +228,22 @@ SDR_INLINE void add_forces(const int components, const sdr_state_pairs *at, doub
   }
 }
 
-SDR_INLINE void force_of_runs(const int components, const int use, const int linear,
-                              const sdr_ordinary *o, int64_t first, int64_t end, double *const u[3],
-                              double *const f[3])
+SDR_INLINE void force_of_runs(const int components, const int linear, const sdr_ordinary *o,
+                              int64_t first, int64_t end, double *const u[3], double *const f[3])
 {
   _Alignas(64) double F[3][SDR_STATE_PAIRS];
   for (int64_t r = first; r < end; ++r) {
     const sdr_bond_run *run = &o->body.bonds->runs[r];
-    const int flagged = use || (o->body.run_flagged && o->body.run_flagged[r]);
+    const int flagged = o->body.run_flagged && o->body.run_flagged[r];
     const int overlap = flagged || sdr_state_overlap(run);
     for (int32_t start = 0; start < run->length; start += SDR_STATE_PAIRS) {
       const sdr_state_pairs at = sdr_state_pairs_of(run, start);
       if (flagged)
-        force_of_block(components, use ? SDR_BLOCK_GROWN : SDR_BLOCK_FLAGGED, linear, o, &at, u, f,
-                       1, F);
+        force_of_block(components, 1, linear, o, &at, u, f, 1, F);
       else if (overlap)
-        force_of_block(components, SDR_BLOCK_WHOLE, linear, o, &at, u, f, 1, F);
+        force_of_block(components, 0, linear, o, &at, u, f, 1, F);
       else
-        force_of_block(components, SDR_BLOCK_WHOLE, linear, o, &at, u, f, 0, F);
+        force_of_block(components, 0, linear, o, &at, u, f, 0, F);
       if (overlap) add_forces(components, &at, f, F);
     }
   }

@@ -42,6 +42,12 @@ SDR_INLINE double loose_q(int printed, const sdr_ordinary_slot *p)
   return printed ? sqrt(p->square) : p->square;
 }
 
+/* P^2/Q likewise. */
+SDR_INLINE double loose_r(int printed, const sdr_ordinary_slot *p)
+{
+  return printed ? 1.0 / sqrt(p->square) : p->square;
+}
+
 /* What flags there are: none, some, some where all points share one threshold (no gather). */
 enum { SDR_LOOSE_UNFLAGGED, SDR_LOOSE_FLAGGED, SDR_LOOSE_SHARED };
 
@@ -80,8 +86,9 @@ SDR_INLINE void sums_of_column(const int components, const int squares, const in
     if (flagged) {
       const sdr_flags grown = loose_flags_of(use, flagged, o, slot, i, s);
       s = grown & SDR_LOST_I ? 0.0 : s;
-      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? p : 0.0;
-      if (use == SDR_FLAGS_COMMIT) flags[lane] = grown;
+      const double r = w * loose_r(printed, &pair);
+      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? r : 0.0;
+      if (use) flags[lane] = grown;
       chunk->fresh[lane] |= grown;
     }
     chunk->sum[lane] += p * s;
@@ -160,13 +167,12 @@ SDR_INLINE void sums_of_loose(const int components, const int squares, const int
       if (o->lost) o->lost[chunk.point + lane] += chunk.lost[lane];
       fresh |= chunk.fresh[lane];
     }
-    if (use == SDR_FLAGS_COMMIT && fresh & (SDR_FRESH_I | SDR_FRESH_J)) o->body.chunk_fresh[c] = 1;
+    if (use && fresh & (SDR_FRESH_I | SDR_FRESH_J)) o->body.chunk_fresh[c] = 1;
   }
 }
 
-SDR_INLINE void force_of_column(const int components, const int use, const int flagged,
-                                const int linear, const sdr_ordinary *o, sdr_ordinary_chunk *chunk,
-                                int64_t column)
+SDR_INLINE void force_of_column(const int components, const int flagged, const int linear,
+                                const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
 {
   const sdr_loose *loose = &o->body.bonds->loose;
   const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
@@ -179,9 +185,9 @@ SDR_INLINE void force_of_column(const int components, const int use, const int f
     double hi = loose->weight_ij[slot] * (p * o->along[i] + q * o->across[i]);
     double hj = loose->weight_ji[slot] * (p * o->along[j] + q * o->across[j]);
     if (flagged) {
-      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, i, pair.s);
-      hi = grown & SDR_LOST_I ? 0.0 : hi;
-      hj = grown & SDR_LOST_J ? 0.0 : hj;
+      const sdr_flags flags = o->body.loose_flags[slot];
+      hi = flags & SDR_LOST_I ? 0.0 : hi;
+      hj = flags & SDR_LOST_J ? 0.0 : hj;
     }
     const double phi = (hi + hj) * pair.inverse / pair.r;
     for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
@@ -211,20 +217,19 @@ SDR_INLINE void force_of_clean(const int components, const int linear, const int
   }
 }
 
-SDR_INLINE void force_of_any(const int components, const int use, const int flagged,
-                             const int linear, const sdr_ordinary *o, sdr_ordinary_chunk *chunk,
-                             int64_t column)
+SDR_INLINE void force_of_any(const int components, const int flagged, const int linear,
+                             const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
 {
-  if (use || o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column)))
-    force_of_column(components, use, flagged, linear, o, chunk, column);
+  if (o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column)))
+    force_of_column(components, flagged, linear, o, chunk, column);
   else if (o->body.bonds->loose.shared_weight != 0.0)
     force_of_clean(components, linear, 1, o, chunk, column);
   else
     force_of_clean(components, linear, 0, o, chunk, column);
 }
 
-SDR_INLINE void force_of_loose(const int components, const int use, const int flagged,
-                               const int linear, const sdr_ordinary *o, int64_t first, int64_t end,
+SDR_INLINE void force_of_loose(const int components, const int flagged, const int linear,
+                               const sdr_ordinary *o, int64_t first, int64_t end,
                                double *const u[3], double *const f[3])
 {
   const double sign = linear ? -1.0 : 1.0;
@@ -232,7 +237,7 @@ SDR_INLINE void force_of_loose(const int components, const int use, const int fl
     const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
     sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
     for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-      force_of_any(components, use, flagged, linear, o, &chunk, column);
+      force_of_any(components, flagged, linear, o, &chunk, column);
     for (int a = 0; a < components; ++a)
       for (int lane = 0; lane < SDR_LANES; ++lane)
         f[a][chunk.point + lane] += sign * chunk.force[a][lane];

@@ -38,8 +38,7 @@ static curvature curvature_of(const sdr_ordinary *o, int32_t i)
 static void prepare(sdr_ordinary *o, double *const u[3])
 {
   const int law = (int)o->body.law, variational = law == SDR_LAW_VARIATIONAL;
-  sdr_ordinary_sum(o, u, law == SDR_LAW_CRITICAL_STRETCH ? SDR_FLAGS_GROW : SDR_FLAGS_KEEP,
-                   variational);
+  sdr_ordinary_sum(o, u, SDR_FLAGS_KEEP, variational);
   o->kernels->points[law](o, 0, o->body.head.points->count, 0);
 }
 
@@ -61,7 +60,7 @@ static shape shape_of(const sdr_ordinary *o, const sdr_pair *pair, double *const
   }
   p.l = sqrt(p.l);
   for (int a = 0; a < components; ++a) p.n[a] = p.l > 0.0 ? p.n[a] / p.l : 0.0;
-  p.lost = sdr_state_lost(&o->body, pair, p.s, 1);
+  p.lost = sdr_state_lost(&o->body, pair, p.s, 0);
   return p;
 }
 

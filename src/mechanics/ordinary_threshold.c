@@ -1,8 +1,7 @@
 /* The critical stretch of ordinary bodies, from what their families really lose. Bonds that a plane
-   cut opens break one after the other; each takes moment and dilatation of its family with it, and
-   those that are left carry more. Printed formulas leave that out: with them a split body
-   dissipates a tenth to a third too much. So a full family is split here in many directions, and
-   s0 is such that the cheapest and the dearest lie equally far from Gc. */
+   cut opens break one after the other, and each leaves the dilatation of its family. So a full
+   family is split here in many directions, and s0 is such that the cheapest and the dearest lie
+   equally far from Gc. */
 #include "base/memory.h"
 #include "mechanics/ordinary.h"
 #include "mechanics/state_cut.h"
@@ -10,6 +9,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The bonds of a full family: xi (m), P and Q over the volume of their owner. */
 typedef struct {
@@ -22,11 +22,6 @@ typedef struct {
 typedef struct {
   double reach, rate, p, q;
 } crossing;
-
-/* Energy per area that a cut takes over s0^2 = share of K and of G, both over the horizon. */
-typedef struct {
-  double bulk, shear;
-} cut_energy;
 
 static int by_rate(const void *a, const void *b)
 {
@@ -50,52 +45,49 @@ static sdr_ordinary_constants constants_of(const full_family *f, int n, int prin
   return (sdr_ordinary_constants){d * delta, 1.0, 3.0 * d};
 }
 
-/* What is left of a family: sums over bonds across (S and Q per opening), and lost P. */
+/* What is left of a family: sums over bonds across (S and Q per opening), and P^2/Q lost. */
 typedef struct {
   double sum, square, lost;
 } remains;
 
-/* Energy density per opening squared, over K and over G. */
-static cut_energy density_of(const sdr_ordinary_constants *whole, int printed, double moment,
-                             const remains *left)
+/* Energy density over G and opening squared; ratio: K/G. */
+static double density_of(const sdr_ordinary_constants *whole, double ratio, const remains *left)
 {
-  const sdr_ordinary_constants of =
-      printed ? *whole
-              : sdr_ordinary_constants_of(whole->t, whole->a, whole->b, moment, left->lost);
-  const double theta = of.t * left->sum, square = theta * theta;
-  return (cut_energy){0.5 * square, of.b * left->square - of.a * square};
+  const double theta = whole->t * left->sum;
+  const double a = sdr_ordinary_torn(whole, ratio, left->lost);
+  return (0.5 * ratio - a) * theta * theta + whole->b * left->square;
 }
 
-/* What a point at the distance h from the plane loses, over s0^2; bonds sorted by rate. */
-static cut_energy loss_at(const crossing *bond, int count, double h,
-                          const sdr_ordinary_constants *whole, int printed, double moment)
+/* What a point at the distance h from the plane loses, over s0^2 G; bonds sorted by rate. */
+static double loss_at(const crossing *bond, int count, double h,
+                      const sdr_ordinary_constants *whole, double ratio)
 {
   remains left = {0.0, 0.0, 0.0};
-  cut_energy loss = {0.0, 0.0};
+  double loss = 0.0;
   for (int k = 0; k < count; ++k) {
     if (!(bond[k].reach > h)) continue;
     left.sum += bond[k].p * bond[k].rate;
     left.square += bond[k].q * bond[k].rate * bond[k].rate;
   }
+  double before = density_of(whole, ratio, &left);
   for (int k = 0; k < count; ++k) {
     if (!(bond[k].reach > h)) continue;
-    const double opening = 1.0 / (bond[k].rate * bond[k].rate); /* squared, over s0^2 */
-    const cut_energy before = density_of(whole, printed, moment, &left);
     left.sum -= bond[k].p * bond[k].rate;
     left.square -= bond[k].q * bond[k].rate * bond[k].rate;
-    left.lost += bond[k].p;
-    const cut_energy after = density_of(whole, printed, moment, &left);
-    loss.bulk += opening * (before.bulk - after.bulk);
-    loss.shear += opening * (before.shear - after.shear);
+    left.lost += bond[k].p * bond[k].p / bond[k].q;
+    const double after = density_of(whole, ratio, &left);
+    loss += (before - after) / (bond[k].rate * bond[k].rate); /* opening squared, over s0^2 */
+    before = after;
   }
   return loss;
 }
 
-/* A cut with the normal `normal`, from both its sides. `bond` and `reach` are scratch. */
-static cut_energy cut(const full_family *f, int n, int printed, const double normal[3],
-                      crossing *bond, double *reach)
+/* Energy per area over s0^2 G and horizon that a cut with the normal `normal` takes, from both its
+   sides. `bond` and `reach` are scratch. */
+static double cut(const full_family *f, int n, int printed, double ratio, const double normal[3],
+                  crossing *bond, double *reach)
 {
-  double moment = 0.0, from = 0.0;
+  double moment = 0.0, from = 0.0, sum = 0.0;
   int count = 0;
   for (int k = 0; k < f->count; ++k) {
     const double *xi = f->xi + 3 * (size_t)k;
@@ -109,12 +101,10 @@ static cut_energy cut(const full_family *f, int n, int printed, const double nor
   qsort(bond, (size_t)count, sizeof *bond, by_rate);
   qsort(reach, (size_t)count, sizeof *reach, by_size);
   const sdr_ordinary_constants whole = constants_of(f, n, printed, moment);
-  cut_energy sum = {0.0, 0.0};
   for (int k = 0; k < count; ++k) { /* nothing changes between two reaches */
     if (!(reach[k] > from)) continue;
-    const cut_energy loss = loss_at(bond, count, 0.5 * (from + reach[k]), &whole, printed, moment);
-    sum.bulk += 2.0 * loss.bulk * (reach[k] - from) / f->horizon;
-    sum.shear += 2.0 * loss.shear * (reach[k] - from) / f->horizon;
+    const double loss = loss_at(bond, count, 0.5 * (from + reach[k]), &whole, ratio);
+    sum += 2.0 * loss * (reach[k] - from) / f->horizon;
     from = reach[k];
   }
   return sum;
@@ -122,11 +112,12 @@ static cut_energy cut(const full_family *f, int n, int printed, const double nor
 
 /* ---- directions ------------------------------------------------------------------------------ */
 
-/* What cuts in all directions cost. */
+/* What cuts in all directions cost, as `cut` has it. */
 typedef struct {
   int count, printed;
+  double ratio; /* K/G */
   double normal[SDR_CUT_DIRECTIONS][3];
-  cut_energy cost[SDR_CUT_DIRECTIONS];
+  double cost[SDR_CUT_DIRECTIONS];
 } cuts;
 
 /* Add the costs of a family. */
@@ -135,24 +126,20 @@ static sdr_status add_cuts(const full_family *f, int n, cuts *all)
   crossing *bond = sdr_alloc((size_t)f->count, sizeof *bond);
   double *reach = sdr_alloc((size_t)f->count, sizeof *reach);
   const int failed = !bond || !reach;
-  for (int k = 0; k < all->count && !failed; ++k) {
-    const cut_energy one = cut(f, n, all->printed, all->normal[k], bond, reach);
-    all->cost[k].bulk += one.bulk;
-    all->cost[k].shear += one.shear;
-  }
+  for (int k = 0; k < all->count && !failed; ++k)
+    all->cost[k] += cut(f, n, all->printed, all->ratio, all->normal[k], bond, reach);
   sdr_free(bond);
   sdr_free(reach);
   return failed ? SDR_RUN_FAILED : SDR_OK;
 }
 
 /* The middle between the cheapest and the dearest direction. */
-static double middle_cost(const cuts *all, double bulk, double shear)
+static double middle_cost(const cuts *all)
 {
   double least = INFINITY, most = 0.0;
   for (int k = 0; k < all->count; ++k) {
-    const double cost = bulk * all->cost[k].bulk + shear * all->cost[k].shear;
-    least = fmin(least, cost);
-    most = fmax(most, cost);
+    least = fmin(least, all->cost[k]);
+    most = fmax(most, all->cost[k]);
   }
   return 0.5 * (least + most);
 }
@@ -261,10 +248,7 @@ static sdr_status cuts_of_loose(const sdr_ordinary *o, int n, cuts *all)
     ++met;
   }
   family_free(&f);
-  for (int k = 0; k < all->count && met > 0; ++k) {
-    all->cost[k].bulk /= met;
-    all->cost[k].shear /= met;
-  }
+  for (int k = 0; k < all->count && met > 0; ++k) all->cost[k] /= met;
   if (status != SDR_OK || met > 0) return status;
   f = (full_family){0};
   status = family_of_stencil(o, points->count / 2, &f);
@@ -282,22 +266,31 @@ static sdr_status cuts_of_runs(const sdr_ordinary *o, int n, cuts *all)
   return status;
 }
 
+/* What a cut costs over s0^2 G and horizon, for one K/G. */
+static sdr_status cost_of(const sdr_ordinary *o, double ratio, cuts *all, double *out)
+{
+  const int n = o->body.head.points->components;
+  all->ratio = ratio;
+  memset(all->cost, 0, sizeof all->cost);
+  SDR_TRY(o->body.bonds->class_count > 0 ? cuts_of_runs(o, n, all) : cuts_of_loose(o, n, all));
+  *out = middle_cost(all);
+  return SDR_OK;
+}
+
 sdr_status sdr_ordinary_set_threshold(sdr_ordinary *o, const double *toughness)
 {
   const sdr_points *points = o->body.head.points;
   const double *bulk = o->body.bulk, *shear = o->body.shear;
+  double cost[UINT8_MAX + 1] = {0.0}; /* of each material; its points share K/G */
+  sdr_status status = SDR_OK;
   cuts *all = sdr_alloc(1, sizeof *all);
   if (!all) return SDR_RUN_FAILED;
   all->printed = o->form == SDR_FORM_MADENCI_OTERKUS;
   all->count = sdr_cut_directions(points, all->normal);
-  const sdr_status status = o->body.bonds->class_count > 0
-                                ? cuts_of_runs(o, points->components, all)
-                                : cuts_of_loose(o, points->components, all);
-  double cost = 0.0;
   for (int32_t i = 0; i < points->count && status == SDR_OK; ++i) {
-    if (i == 0 || bulk[i] != bulk[i - 1] || shear[i] != shear[i - 1])
-      cost = middle_cost(all, bulk[i], shear[i]);
-    o->body.threshold[i] = toughness[points->material[i]] / (cost * points->horizon[i]);
+    double *of = &cost[points->material[i]];
+    if (!(*of > 0.0)) status = cost_of(o, bulk[i] / shear[i], all, of);
+    o->body.threshold[i] = toughness[points->material[i]] / (*of * shear[i] * points->horizon[i]);
   }
   sdr_free(all);
   return status;

@@ -153,6 +153,7 @@ static sdr_status alloc_state(sdr_state_body *body)
   if (body->law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
   SDR_TRY(alloc_flags(body));
   SDR_TRY(alloc_points(&body->booked, points));
+  SDR_TRY(alloc_points(&body->release, points));
   body->fresh = sdr_alloc(sdr_points_padded(points), 1);
   if (!body->fresh) return SDR_RUN_FAILED;
   if (bonds->run_count > 0 && !(body->run_fresh = sdr_alloc((size_t)bonds->run_count, 1)))
@@ -196,10 +197,10 @@ void sdr_state_body_clear(sdr_state_body *body)
 {
   sdr_bonds_destroy(&body->bonds);
   void *const blocks[] = {
-      body->bulk,      body->shear,         body->ell,         body->softness,    body->threshold,
-      body->history,   body->flags,         body->loose_flags, body->run_flagged, body->booked,
-      body->run_fresh, body->chunk_fresh,   body->fresh,       body->plus,        body->minus,
-      body->moved,     body->family_volume, body->family_count};
+      body->bulk,      body->shear,         body->ell,          body->softness,    body->threshold,
+      body->history,   body->flags,         body->loose_flags,  body->run_flagged, body->booked,
+      body->run_fresh, body->chunk_fresh,   body->fresh,        body->plus,        body->minus,
+      body->moved,     body->family_volume, body->family_count, body->release};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
 }
 

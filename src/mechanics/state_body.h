@@ -26,12 +26,15 @@ typedef struct {
   /* Pairs were marked: set up anew what depends on who is in which family. May be NULL. */
   sdr_status (*remake)(sdr_state_body *body);
 
-  /* Critical stretch: add to body->booked[i] what every point i with body->fresh[i] lost (J): its
+  /* Critical stretch: add to body->release[i] what every point i with body->fresh[i] lost (J): its
      family lost the halves with a FRESH flag. e before the step is that at u - dt v (v NULL: at u).
      For an energy that is quadratic, E = 1/2 e A e, before, and 1/2 e A' e after, leapfrog loses
      1/2 e_n (A - A') e_(n+1); in general the mean of E - E' at both ends comes as close as the
      square of the step. sdr_state_visit_fresh hands out the pairs that matter. */
   void (*book)(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
+
+  /* Points with body->fresh got the bonds of this step back: set up anew what depends on them. */
+  void (*remake_fresh)(sdr_state_body *body);
 } sdr_state_hooks;
 
 struct sdr_state_body {
@@ -53,6 +56,7 @@ struct sdr_state_body {
   uint8_t *run_flagged;             /* a run: 1 if one of its flags is set; NULL as `flags` */
   int loose_flagged;                /* 1 if some loose pair was cut or protected at the start */
   double *booked;                   /* J: energy of each point's lost bonds; critical_stretch */
+  double *release;                  /* J: of those that a step loses */
   uint8_t *run_fresh, *chunk_fresh; /* 1: a FRESH flag in it. Kernels that break bonds set them,
                                        and run_flagged */
   uint8_t *fresh;                   /* a point: 1 while it loses bonds (during hooks->book) */

@@ -131,16 +131,50 @@ static void clear_stripe(void *context, int s)
   if (body->run_fresh) memset(body->run_fresh + first, 0, (size_t)(end - first));
 }
 
+/* A point whose family would be left with more energy than it had keeps its bonds. */
+static void give_back(void *context, const sdr_pair *pair)
+{
+  sdr_state_body *body = context;
+  sdr_flags *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
+  const int i = body->release[pair->i] < 0.0, j = body->release[pair->j] < 0.0;
+  if (*flags & SDR_FRESH_I && i) *flags &= ~(SDR_FRESH_I | SDR_LOST_I);
+  if (*flags & SDR_FRESH_J && j) *flags &= ~(SDR_FRESH_J | SDR_LOST_J);
+}
+
+static void give_back_stripe(void *context, int s)
+{
+  each_fresh_pair(context, s, give_back);
+}
+
+/* Book what points released; returns 1 if one keeps its bonds. Those are left fresh. */
+static int take_releases(sdr_state_body *body)
+{
+  int kept = 0;
+  for (int32_t i = 0; i < body->head.points->count; ++i) {
+    if (!body->fresh[i]) continue;
+    kept |= body->release[i] < 0.0;
+    body->fresh[i] = body->release[i] < 0.0;
+    if (body->release[i] > 0.0) body->booked[i] += body->release[i];
+  }
+  return kept;
+}
+
 void sdr_state_book(sdr_state_body *body, double *const u[3], double *const v[3], double dt)
 {
   const sdr_bonds *bonds = body->bonds;
+  const sdr_points *points = body->head.points;
   const size_t runs = (size_t)bonds->run_count, chunks = (size_t)bonds->loose.chunk_count;
   if (!(body->run_fresh && memchr(body->run_fresh, 1, runs)) &&
       !(body->chunk_fresh && memchr(body->chunk_fresh, 1, chunks)))
     return;
-  sdr_each_stripe(body->head.points, mark_stripe, body);
+  sdr_each_stripe(points, mark_stripe, body);
+  memset(body->release, 0, (size_t)points->count * sizeof *body->release);
   body->hooks->book(body, u, v, dt);
-  sdr_parallel_for(0, body->head.points->stripe_count, 1, clear_stripe, body);
+  if (take_releases(body)) {
+    sdr_each_stripe(points, give_back_stripe, body);
+    body->hooks->remake_fresh(body);
+  }
+  sdr_parallel_for(0, points->stripe_count, 1, clear_stripe, body);
   /* A chunk may belong to two stripes, so its mark goes when both have looked. */
   if (body->chunk_fresh) memset(body->chunk_fresh, 0, chunks);
 }

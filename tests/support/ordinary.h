@@ -160,12 +160,38 @@ static inline plain_bond plain_bond_at(const plain *r, double *const u[3], int32
   return lost ? (plain_bond){.weight = 0.0L} : plain_any_bond(r, u, i, j);
 }
 
-/* What a point's energy needs. The forms differ in these sums only: theta and the energy without
-   1/2 K theta^2, and their derivatives by the extension of a bond, over its weight. */
+/* What a point's energy needs: theta and the energy without 1/2 K theta^2. With s = e/|xi| the
+   forms are theta = t sum p w s and B sum q w s^2 - A theta^2, w = omega V_j. Of lost bonds the
+   stretches take what costs least: in B sum q w s^2 + (1/2 K - A) theta^2 they are minus t k (K -
+   2A) theta p/(2 B q), so that theta is what the bonds left make of it over 1 + (K - 2A) t^2 R/(2
+   B), R the sum of w p^2/q over lost ones. The energy then is (1/2 K - A') theta^2 of the theta of
+   those left. */
 typedef struct {
-  long double m, left, theta, shape, bulk, shear, n, b, d, delta; /* left: m of the bonds left */
+  long double m, lost, theta, shape, bulk, shear, n, t, a, b;
   int printed;
 } plain_point;
+
+static inline long double plain_p(const plain_point *p, const plain_bond *at)
+{
+  return p->printed ? 1.0L : at->length * at->length;
+}
+static inline long double plain_q(const plain_point *p, const plain_bond *at)
+{
+  return at->length * (p->printed ? 1.0L : at->length);
+}
+
+/* t, A and B of the whole family, then A of what is left. */
+static inline void plain_constants(const plain *r, int32_t i, plain_point *p)
+{
+  const long double pi = 3.14159265358979323846264L;
+  const long double delta = (long double)r->body->points->horizon[i]; /* thickness 1 m */
+  p->t = p->printed ? 2.0L / (pi * delta * delta) : p->n / p->m;
+  p->b = p->printed ? 6.0L * p->shear / (pi * delta * delta * delta)
+                    : p->n * (p->n + 2.0L) * p->shear / (2.0L * p->m);
+  p->a = p->printed ? p->shear : (p->n + 2.0L) * p->shear / (2.0L * p->n);
+  const long double k = p->bulk - 2.0L * p->a;
+  p->a = (p->bulk - k / (1.0L + k * p->t * p->t * p->lost / (2.0L * p->b))) / 2.0L;
+}
 
 static inline plain_point plain_point_at(const plain *r, double *const u[3], int32_t i)
 {
@@ -173,31 +199,25 @@ static inline plain_point plain_point_at(const plain *r, double *const u[3], int
   const sdr_points *points = b->points;
   const sdr_dimension dimension = r->how->body.dimension;
   const double nu = b->points->material[i] ? 0.2 : ordinary_poisson(r->how);
-  const long double pi = 3.14159265358979323846264L;
   plain_point p = {.bulk = (long double)sdr_state_bulk(dimension, b->young[i], nu),
                    .shear = (long double)sdr_state_shear(dimension, b->young[i], nu),
                    .n = points->components,
-                   .delta = (long double)points->horizon[i],
                    .printed = r->how->form == SDR_FORM_MADENCI_OTERKUS};
-  p.d = 2.0L / (pi * p.delta * p.delta * p.delta); /* thickness 1 m */
-  p.b = 6.0L * p.shear / (pi * p.delta * p.delta * p.delta * p.delta);
+  long double sum = 0.0L, square = 0.0L;
   for (int32_t j = 0; j < points->count; ++j) {
     const plain_bond any = plain_any_bond(r, u, i, j), at = plain_bond_at(r, u, i, j);
-    if (any.weight > 0.0L) p.m += 0.1L * any.weight * any.length * any.length;
-    if (!(at.weight > 0.0L)) continue;
-    p.left += at.weight * at.length * at.length;
-    p.theta += at.weight * (p.printed ? p.d * p.delta * at.e / at.length : at.length * at.e);
+    if (!(any.weight > 0.0L)) continue;
+    const long double s = any.e / any.length;
+    const long double p_of = plain_p(&p, &any), q_of = plain_q(&p, &any);
+    p.m += any.weight * any.length * any.length;
+    if (!(at.weight > 0.0L)) p.lost += any.weight * p_of * p_of / q_of;
+    sum += at.weight * p_of * s;
+    square += at.weight * q_of * s * s;
   }
-  if (p.left > p.m) p.m = p.left; /* not below a tenth of the whole */
-  if (!p.printed) p.theta *= p.m > 0.0L ? p.n / p.m : 0.0L;
-  for (int32_t j = 0; j < points->count; ++j) {
-    const plain_bond at = plain_bond_at(r, u, i, j);
-    if (!(at.weight > 0.0L)) continue;
-    const long double e = at.e - p.theta * at.length / p.n;
-    p.shape += at.weight * (p.printed ? p.b * p.delta * at.e * at.e / at.length
-                                      : p.n * (p.n + 2.0L) * p.shear / (2.0L * p.m) * e * e);
-  }
-  if (p.printed) p.shape -= p.shear * p.theta * p.theta;
+  if (!(p.m > 0.0L)) return p;
+  plain_constants(r, i, &p);
+  p.theta = p.t * sum;
+  p.shape = p.b * square - p.a * p.theta * p.theta;
   return p;
 }
 
@@ -205,15 +225,9 @@ static inline plain_point plain_point_at(const plain *r, double *const u[3], int
 static inline void plain_slopes(const plain_point *p, const plain_bond *at, long double *theta,
                                 long double *shape)
 {
-  if (p->printed) {
-    *theta = p->d * p->delta / at->length;
-    *shape = 2.0L * p->b * p->delta * at->e / at->length - 2.0L * p->shear * p->theta * *theta;
-    return;
-  }
-  const long double alpha = p->n * (p->n + 2.0L) * p->shear / p->m;
-  *theta = p->n / p->m * at->length;
-  *shape = alpha * (at->e - p->theta * at->length / p->n) -
-           alpha * p->theta * (p->m - p->left) / (p->n * p->n) * *theta;
+  *theta = p->t * plain_p(p, at) / at->length;
+  *shape = 2.0L * p->b * plain_q(p, at) * at->e / (at->length * at->length) -
+           2.0L * p->a * p->theta * *theta;
 }
 
 /* Force (N) and stored and dissipated energies (J) at u; history max(committed, present). */

@@ -433,9 +433,10 @@ static void a_split_body_dissipates_its_toughness_within_5_percent(void **state)
 }
 
 /* A body that flies apart under leapfrog with steps of dt up to `end`: the largest change of energy
-   over what it started with, and what was dissipated. */
+   over what it started with, the same with the kinetic energy of half steps, and what was
+   dissipated. */
 typedef struct {
-  double imbalance, dissipated;
+  double imbalance, exact, dissipated;
 } flight;
 
 static flight fly(const nonordinary_how *how, double dt, double end)
@@ -443,8 +444,8 @@ static flight fly(const nonordinary_how *how, double dt, double end)
   nonordinary b = nonordinary_create(how);
   const sdr_points *points = b.shape.points;
   const double density = 2700.0;
-  double *u[3], *v[3], *f[3], start = 0.0;
-  flight out = {0.0, 0.0};
+  double *u[3], *v[3], *f[3], start = 0.0, staggered = 0.0;
+  flight out = {0.0, 0.0, 0.0};
   vector_create(points, u);
   vector_create(points, v);
   vector_create(points, f);
@@ -455,14 +456,19 @@ static flight fly(const nonordinary_how *how, double dt, double end)
   b.shape.model->ops->force_commit(b.shape.model, u, v, 0.0, f);
   for (int n = 0; n * dt < end * (1.0 + 1e-9); ++n) {
     sdr_energies e;
-    double kinetic = 0.0;
+    double kinetic = 0.0, excess = 0.0;
     for (int a = 0; a < points->components; ++a)
-      for (int32_t i = 0; i < points->count; ++i)
-        kinetic += 0.5 * density * points->volume[i] * v[a][i] * v[a][i];
+      for (int32_t i = 0; i < points->count; ++i) {
+        const double mass = density * points->volume[i];
+        kinetic += 0.5 * mass * v[a][i] * v[a][i];
+        excess += 0.125 * dt * dt * f[a][i] * f[a][i] / mass;
+      }
     b.shape.model->ops->energies(b.shape.model, u, &e);
     const double total = kinetic + e.stored + e.dissipated;
     if (n == 0) start = total;
+    if (n == 0) staggered = total - excess;
     out.imbalance = fmax(out.imbalance, fabs(total - start) / start);
+    out.exact = fmax(out.exact, fabs(total - excess - staggered) / start);
     out.dissipated = e.dissipated / start;
     /* v at whole steps: half a kick before the move, half after */
     for (int a = 0; a < points->components; ++a)
@@ -485,8 +491,9 @@ static flight fly(const nonordinary_how *how, double dt, double end)
 static void flights(const nonordinary_how *how, const char *name, flight out[3])
 {
   for (int k = 0; k < 3; ++k) out[k] = fly(how, 0.04e-6 / (1 << k), 2.4e-6);
-  print_message("%s: imbalance %.2e %.2e %.2e, dissipated %.3f\n", name, out[0].imbalance,
-                out[1].imbalance, out[2].imbalance, out[2].dissipated);
+  print_message("%s: imbalance %.2e %.2e %.2e, of half steps %.1e %.1e %.1e, dissipated %.3f\n",
+                name, out[0].imbalance, out[1].imbalance, out[2].imbalance, out[0].exact,
+                out[1].exact, out[2].exact, out[2].dissipated);
 }
 
 static void leapfrog_keeps_the_energy_to_second_order_as_damage_grows(void **state)
@@ -507,8 +514,9 @@ static void leapfrog_keeps_the_energy_to_second_order_as_damage_grows(void **sta
   }
 }
 
-/* The energy booked is what the scheme lost, though bonds break at other moments with other steps:
-   half of the energy goes, and no more than 1 % of it is unaccounted for. */
+/* What is booked is what the scheme loses. With the kinetic energy that leapfrog keeps, of the half
+   steps before and after, which is dt^2/8 sum f^2/m less, linear bodies lose nothing, others a
+   term of second order; the plain one fluctuates with that term. */
 static void what_broken_bonds_lose_is_booked(void **state)
 {
   (void)state;
@@ -523,8 +531,11 @@ static void what_broken_bonds_lose_is_booked(void **state)
     flights(&how, "critical stretch", f);
     for (int k = 0; k < 3; ++k) {
       assert_true(f[k].dissipated > 0.1);
-      assert_at_most(f[k].imbalance, 0.01);
+      assert_at_most(f[k].imbalance, 2e-3);
+      assert_at_most(f[k].exact, law == 0 ? 1e-13 : 2e-5);
     }
+    for (int k = 0; k < 2; ++k) assert_near(f[k].imbalance / f[k + 1].imbalance, 4.0, 0.4);
+    for (int k = 0; law > 0 && k < 2; ++k) assert_near(f[k].exact / f[k + 1].exact, 4.0, 0.8);
   }
 }
 

@@ -2,8 +2,7 @@
    (theory sec. 4-5). */
 #include "support/ordinary.h"
 #include "support/split.h"
-#include "support/still_body.h"
-#include "time/integrator.h"
+#include "support/torn.h"
 
 /* ---- separation ------------------------------------------------------------------------------ */
 
@@ -104,6 +103,47 @@ static void jittered_points_take_the_toughness_too(void **state)
     }
 }
 
+/* ---- torn to pieces ---------------------------------------------------------------------------
+ */
+
+static ordinary_how torn_of(int k)
+{
+  static const double poisson[4] = {0.1, 0.45, 0.2, 0.45};
+  ordinary_how how = {.body = {.dimension = k == 2 ? SDR_3D : SDR_PLANE_STRAIN,
+                               .cells = {k == 2 ? 7 : 24, k == 2 ? 8 : 18, 7},
+                               .ratio = k == 2 ? 2.2 : 3.015,
+                               .law = SDR_LAW_CRITICAL_STRETCH,
+                               .stretch = 0.004,
+                               .force_loose = k == 1},
+                      .poisson = poisson[k],
+                      .form = k == 3 ? SDR_FORM_MADENCI_OTERKUS : SDR_FORM_STANDARD};
+  return how;
+}
+
+/* Lost stretches are free (theory sec. 9), which only lowers energies. */
+static void a_lost_bond_never_raises_the_energy_of_a_point(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 4; ++k) {
+    const ordinary_how how = torn_of(k);
+    lose_at_random(ordinary_create(&how), 0.003 * body_spacing);
+  }
+}
+
+/* Nor does it stiffen anything, so the step of the start holds to the end. */
+static void a_body_torn_to_pieces_at_the_default_step_keeps_its_books(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 4; ++k) {
+    const ordinary_how how = torn_of(k);
+    const torn end = tear(ordinary_create(&how), k == 2 ? 20000.0 : 5000.0, 0.1, 150);
+    assert_true(end.broken > 0.1 && end.taken > 0.2);
+    assert_at_most(end.fall, 0.0);
+    assert_at_most(end.imbalance, 1e-3);
+    assert_true(end.limit > 0.99); /* known to 0.5 % */
+  }
+}
+
 /* ---- books ----------------------------------------------------------------------------------- */
 
 /* Run a free body that starts from a smooth strain and a pull along x; largest imbalance over the
@@ -192,6 +232,8 @@ int main(void)
       cmocka_unit_test(no_cut_dissipates_less_than_0_93_of_the_toughness),
       cmocka_unit_test(critical_stretch_takes_the_toughness_in_any_direction),
       cmocka_unit_test(jittered_points_take_the_toughness_too),
+      cmocka_unit_test(a_lost_bond_never_raises_the_energy_of_a_point),
+      cmocka_unit_test(a_body_torn_to_pieces_at_the_default_step_keeps_its_books),
       cmocka_unit_test(imbalance_falls_by_four_per_halving_with_variational_damage),
       cmocka_unit_test(critical_stretch_keeps_the_books_near_second_order),
   };

@@ -174,7 +174,6 @@ static void every_body(double factor, void (*check)(const body *, double *const[
         how.body.two_materials = how.body.scatter > 0.0;
         how.body.stretch = k == 0 ? 0.02 : 0.016;
         if (how.body.force_loose && how.body.jitter > 0.0) continue;
-        if (factor > 1.0 && laws[law] == SDR_LAW_CRITICAL_STRETCH) continue; /* breaks in commit */
         body b = ordinary_create(&how);
         int64_t cut;
         if (variant & 4)
