@@ -1,4 +1,5 @@
-/* every problem's figures beside their accepted ranges and the papers' values */
+/* every problem's figures beside their accepted ranges and the papers' values; names of problems,
+   or PROBLEM:VARIANT, choose some */
 #include "app/find_scene.h"
 #include "app/run.h"
 #include "app/rundata.h"
@@ -15,6 +16,7 @@ typedef struct {
   char directory[BENCH_PATH];
   FILE *csv;
   int runs, failed, figures, ranged, outside;
+  double seconds; /* of the present run */
 } table;
 
 /* ---- one figure ------------------------------------------------------------------------------ */
@@ -60,14 +62,14 @@ static void add_figure(table *t, const sdr_rundata *data, const sdr_scene *scene
   print_number(stdout, "%-11.4g", value, "none       ");
   print_range(low, high);
   print_number(stdout, " %-9.4g", paper, "          ");
-  printf(" %s\n", verdict);
+  printf(" %-7s %8.1f\n", verdict, t->seconds);
   fprintf(t->csv, "%s,%s,%s", scene->name, scene->variant, name);
   const double numbers[] = {value, low, high, paper};
   for (int k = 0; k < 4; ++k) {
     fputc(',', t->csv);
     print_number(t->csv, "%.9g", numbers[k], "");
   }
-  fprintf(t->csv, ",%s\n", verdict);
+  fprintf(t->csv, ",%s,%.2f\n", verdict, t->seconds);
 }
 
 /* ---- one run --------------------------------------------------------------------------------- */
@@ -102,7 +104,9 @@ static sdr_status run_one(table *t, const char *path, const char *variant, sdr_s
                                    .sets = sets,
                                    .threads = 1, /* small problems */
                                    .quiet = 1};
+  const double from = bench_clock();
   SDR_TRY(run_silently(&options));
+  t->seconds = bench_clock() - from;
   SDR_TRY(sdr_rundata_open(directory, &data));
   for (int k = 0; k < scene->figure_count; ++k) add_figure(t, data, scene, scene->figure[k].name);
   for (int k = 0; k < scene->output.measure_count; ++k)
@@ -125,10 +129,9 @@ static void try_one(table *t, const char *path, const char *variant, int is_name
   sdr_scene *scene = NULL;
   sdr_status status = sdr_scene_load(path, variant, 0, NULL, &scene);
   if (status == SDR_OK && (is_named || is_about_accuracy(scene))) {
-    const double from = bench_clock();
     fprintf(stderr, "%s %s ... ", scene->name, variant);
     status = run_one(t, path, variant, scene);
-    fprintf(stderr, "%.1f s\n", bench_clock() - from);
+    fprintf(stderr, status == SDR_OK ? "%.1f s\n" : "failed\n", t->seconds);
     ++t->runs;
   }
   if (status != SDR_OK) {
@@ -151,11 +154,18 @@ static sdr_status parse(const char *path, sdr_store *store, sdr_node **root)
   return status;
 }
 
+/* All variants of a problem, or, of PROBLEM:VARIANT, that one ("": the scene itself). */
 static sdr_status try_problem(table *t, const char *name, int is_named)
 {
-  char path[SDR_SCENE_PATH];
+  char path[SDR_SCENE_PATH], problem[SDR_SCENE_PATH];
+  const char *colon = strchr(name, ':');
   sdr_node *root = NULL;
-  SDR_TRY(sdr_find_scene(name, path));
+  snprintf(problem, sizeof problem, "%.*s", (int)strcspn(name, ":"), name);
+  SDR_TRY(sdr_find_scene(problem, path));
+  if (colon) {
+    try_one(t, path, colon + 1, is_named);
+    return SDR_OK;
+  }
   sdr_store *store = sdr_store_create();
   sdr_status status = store ? parse(path, store, &root) : SDR_RUN_FAILED;
   if (status == SDR_OK) {
@@ -190,9 +200,9 @@ static sdr_status make_table(table *t, int count, char **names)
 {
   SDR_TRY(bench_directory("accuracy", t->directory));
   SDR_TRY(bench_csv(t->directory, "accuracy", &t->csv));
-  fputs("problem,variant,figure,value,low,high,paper,verdict\n", t->csv);
-  printf("%-24s %-28s %-20s %-11s %-18s %-9s\n", "problem", "variant", "figure (SI)", "value",
-         "accepted", "paper");
+  fputs("problem,variant,figure,value,low,high,paper,verdict,seconds\n", t->csv);
+  printf("%-24s %-28s %-20s %-11s %-18s %-9s %-7s %8s\n", "problem", "variant", "figure (SI)",
+         "value", "accepted", "paper", "", "run, s");
   sdr_status status = count > 0 ? SDR_OK : try_all(t);
   for (int k = 0; k < count && status == SDR_OK; ++k) status = try_problem(t, names[k], 1);
   if (fclose(t->csv) != 0 && status == SDR_OK)
