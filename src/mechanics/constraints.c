@@ -30,6 +30,57 @@ void sdr_constraints_destroy(sdr_constraints *constraints)
   *constraints = (sdr_constraints){0};
 }
 
+/* ---- means ----------------------------------------------------------------------------------- */
+
+/* Room for one more slave with `masters` masters. */
+static sdr_status grow(sdr_slaves *s, int64_t masters)
+{
+  const size_t count = (size_t)s->count + 1, old = s->first ? (size_t)s->first[s->count] : 0;
+  const size_t length = old + (size_t)masters;
+  int32_t *unknown = sdr_realloc(s->unknown, count, sizeof *unknown);
+  if (unknown) s->unknown = unknown;
+  double *constant = sdr_realloc(s->constant, count, sizeof *constant);
+  if (constant) s->constant = constant;
+  int64_t *first = sdr_realloc(s->first, count + 1, sizeof *first);
+  if (first) s->first = first;
+  int32_t *master = sdr_realloc(s->master, length, sizeof *master);
+  if (master) s->master = master;
+  double *coefficient = sdr_realloc(s->coefficient, length, sizeof *coefficient);
+  if (coefficient) s->coefficient = coefficient;
+  uint8_t *apart = sdr_realloc(s->apart, count, sizeof *apart);
+  if (apart) s->apart = apart;
+  const int whole = unknown && constant && first && master && coefficient && apart;
+  return whole ? SDR_OK : SDR_RUN_FAILED;
+}
+
+sdr_status sdr_slaves_of_means(const sdr_supports *supports, const double *values,
+                               const sdr_points *points, sdr_slaves *slaves)
+{
+  const sdr_prescribed *list = sdr_supports_list(supports);
+  const int32_t entries = sdr_supports_count(supports);
+  for (int mean = 0; mean < sdr_supports_means(supports); ++mean) {
+    int32_t count = 0, leader = -1;
+    for (int32_t k = 0; k < entries; ++k) count += list[k].mean == mean && !isnan(values[k]);
+    if (count == 0) continue;
+    SDR_TRY(grow(slaves, count - 1));
+    int64_t at = slaves->first[slaves->count];
+    for (int32_t k = 0; k < entries; ++k) {
+      if (list[k].mean != mean || isnan(values[k])) continue;
+      const int32_t unknown = list[k].point * points->components + list[k].component;
+      if (leader < 0) {
+        leader = k;
+        slaves->unknown[slaves->count] = unknown;
+        slaves->constant[slaves->count] = count * values[k];
+        continue;
+      }
+      slaves->master[at] = unknown;
+      slaves->coefficient[at++] = -1.0;
+    }
+    slaves->first[++slaves->count] = at;
+  }
+  return SDR_OK;
+}
+
 /* ---- making ---------------------------------------------------------------------------------- */
 
 /* While the constraints are made: what each unknown is, and where a free one stands in q. */
@@ -58,7 +109,7 @@ static void prescribe(const sdr_supports *supports, const double *values, sortin
 {
   const sdr_prescribed *list = sdr_supports_list(supports);
   for (int32_t k = 0; k < sdr_supports_count(supports); ++k) {
-    if (isnan(values[k])) continue;
+    if (isnan(values[k]) || list[k].mean >= 0) continue;
     const int32_t unknown = list[k].point * s->points->components + list[k].component;
     s->kind[unknown] = PRESCRIBED;
     c->prescribed[unknown] = 1;

@@ -24,6 +24,12 @@ typedef struct {
 } sdr_slaves;
 void sdr_slaves_destroy(sdr_slaves *slaves);
 
+/* Append the slaves that keep the means of the supports: of each active one the first component
+   follows the others, u_0 = N U - (u_1 + ...). `values`: of all entries of the supports' list at
+   one time, m (NAN: not active). */
+sdr_status sdr_slaves_of_means(const sdr_supports *supports, const double *values,
+                               const sdr_points *points, sdr_slaves *slaves);
+
 typedef struct {
   int32_t unknowns, free; /* entries of u and of q */
   double *offset;         /* a: `unknowns` values, m */

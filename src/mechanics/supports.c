@@ -11,6 +11,7 @@ struct sdr_supports {
   const sdr_scene *scene;
   const sdr_points *points;
   int32_t count, capacity;
+  int means;
   sdr_prescribed *list;
   uint8_t *open; /* 1: another support takes over at `until`, which no longer counts */
   double *still; /* per entry: value of a formula of the place alone, before the ramp */
@@ -41,12 +42,38 @@ static sdr_status add_entry(sdr_supports *supports, sdr_prescribed entry)
   return SDR_OK;
 }
 
+static int uses_of(const sdr_support_scene *support, int c)
+{
+  return support->value[c] ? sdr_expression_uses(support->value[c]) : 0;
+}
+
+/* Number the means of a support, by component; -1: none. */
+static sdr_status number_means(sdr_supports *supports, const sdr_support_scene *support,
+                               int16_t mean[3])
+{
+  for (int c = 0; c < 3; ++c) {
+    mean[c] = -1;
+    if (!support->mean || c >= supports->points->components || support->kind[c] == SDR_FREE)
+      continue;
+    if (uses_of(support, c) & SDR_USES_SPACE)
+      return sdr_fail(
+          SDR_BAD_INPUT,
+          "%s: support '%s' prescribes a mean, which has no place: let its %c component "
+          "be a number or a formula of t",
+          sdr_origin_text(support->origin), support->name, "xyz"[c]);
+    mean[c] = (int16_t)supports->means++;
+  }
+  return SDR_OK;
+}
+
 static sdr_status add_support(sdr_supports *supports, int index)
 {
   const sdr_support_scene *support = &supports->scene->support[index];
   const sdr_points *points = supports->points;
   int32_t met = 0;
+  int16_t mean[3];
   if (support->layer) return SDR_OK; /* mechanics/layers.h */
+  SDR_TRY(number_means(supports, support, mean));
   for (int32_t i = 0; i < points->count; ++i) {
     double x[3];
     if (!sdr_in_body(points, i)) continue;
@@ -58,7 +85,8 @@ static sdr_status add_support(sdr_supports *supports, int index)
     for (int c = 0; c < points->components; ++c) {
       if (support->kind[c] == SDR_FREE) continue;
       const int8_t velocity = support->kind[c] == SDR_PRESCRIBED_VELOCITY;
-      SDR_TRY(add_entry(supports, (sdr_prescribed){i, (int8_t)c, velocity, (int16_t)index}));
+      SDR_TRY(
+          add_entry(supports, (sdr_prescribed){i, (int8_t)c, velocity, (int16_t)index, mean[c]}));
     }
   }
   if (met > 0) return SDR_OK;
@@ -114,11 +142,6 @@ static sdr_status check_overlaps(sdr_supports *supports)
     }
   }
   return SDR_OK;
-}
-
-static int uses_of(const sdr_support_scene *support, int c)
-{
-  return support->value[c] ? sdr_expression_uses(support->value[c]) : 0;
 }
 
 static sdr_status evaluate(const sdr_support_scene *support, int c, const double x[3], double t,
@@ -198,6 +221,11 @@ int32_t sdr_supports_count(const sdr_supports *supports)
 const sdr_prescribed *sdr_supports_list(const sdr_supports *supports)
 {
   return supports->list;
+}
+
+int sdr_supports_means(const sdr_supports *supports)
+{
+  return supports->means;
 }
 
 static sdr_status bring_to_time(sdr_supports *supports, double t)

@@ -141,18 +141,42 @@ static sdr_status prescribed_velocities(sdr_system *system, double dt_next)
   return SDR_OK;
 }
 
+/* Forces that bring the means to their velocities, the same on every point of one, in place of the
+   next motion of its entries. */
+static void find_pulls(sdr_system *system, double kick)
+{
+  const int32_t count = sdr_supports_count(system->supports);
+  const sdr_prescribed *list = sdr_supports_list(system->supports);
+  for (int mean = 0; mean < sdr_supports_means(system->supports); ++mean) {
+    double missing = 0.0, by_mass = 0.0;
+    for (int32_t k = 0; k < count; ++k) {
+      if (list[k].mean != mean || isnan(system->motion[k])) continue;
+      const int a = list[k].component;
+      const int32_t i = list[k].point;
+      missing += system->motion[k] - system->v[a][i] - kick * system->f[a][i] / system->mass[i];
+      by_mass += 1.0 / system->mass[i];
+    }
+    for (int32_t k = 0; k < count; ++k)
+      if (list[k].mean == mean) system->next_motion[k] = missing / (kick * by_mass);
+  }
+}
+
 static sdr_status hold_supports(sdr_system *system, double dt, double dt_next, double kick)
 {
   const int32_t count = sdr_supports_count(system->supports);
   const sdr_prescribed *list = sdr_supports_list(system->supports);
   if (count == 0) return SDR_OK;
   SDR_TRY(prescribed_velocities(system, dt_next));
+  find_pulls(system, kick);
   for (int32_t k = 0; k < count; ++k) {
     const int a = list[k].component;
     const int32_t i = list[k].point;
     double before[3] = {0.0}, now[3] = {0.0};
     before[a] = system->reaction[k];
-    if (!isnan(system->motion[k])) {
+    if (list[k].mean >= 0 && !isnan(system->motion[k])) {
+      now[a] = system->next_motion[k];
+      system->f[a][i] += now[a];
+    } else if (!isnan(system->motion[k])) {
       const double total = system->mass[i] * (system->motion[k] - system->v[a][i]) / kick;
       now[a] = total - system->f[a][i];
       system->f[a][i] = total;
@@ -202,6 +226,37 @@ static void pull_layers(sdr_system *system, double dt)
   }
 }
 
+double sdr_system_mean(const sdr_system *system, int mean, double *const from[3])
+{
+  const sdr_prescribed *list = sdr_supports_list(system->supports);
+  double sum = 0.0;
+  int32_t points = 0;
+  for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k) {
+    if (list[k].mean != mean) continue;
+    sum += from[list[k].component][list[k].point];
+    ++points;
+  }
+  return points > 0 ? sum / points : 0.0;
+}
+
+/* Means at t = 0: their points keep what differs from the mean. */
+static void start_means(sdr_system *system, double dt)
+{
+  const sdr_prescribed *list = sdr_supports_list(system->supports);
+  for (int mean = 0; mean < sdr_supports_means(system->supports); ++mean) {
+    const double u = sdr_system_mean(system, mean, system->u);
+    const double v = sdr_system_mean(system, mean, system->v);
+    for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k) {
+      if (list[k].mean != mean || isnan(system->motion[k])) continue;
+      const int a = list[k].component;
+      const double ahead = system->next_motion[k] - system->motion[k];
+      const double rate = isnan(ahead) ? 0.0 : ahead / dt;
+      system->v[a][list[k].point] += (list[k].is_velocity ? system->motion[k] : rate) - v;
+      if (!list[k].is_velocity) system->u[a][list[k].point] += system->motion[k] - u;
+    }
+  }
+}
+
 sdr_status sdr_system_start(sdr_system *system, double dt)
 {
   const int32_t count = sdr_supports_count(system->supports);
@@ -210,7 +265,7 @@ sdr_status sdr_system_start(sdr_system *system, double dt)
   SDR_TRY(sdr_supports_values(system->supports, 0.0, system->motion));
   SDR_TRY(sdr_supports_values(system->supports, dt, system->next_motion));
   for (int32_t k = 0; k < count; ++k) {
-    if (isnan(system->motion[k])) continue;
+    if (isnan(system->motion[k]) || list[k].mean >= 0) continue;
     double *u = &system->u[list[k].component][list[k].point];
     double *v = &system->v[list[k].component][list[k].point];
     if (list[k].is_velocity) {
@@ -220,6 +275,7 @@ sdr_status sdr_system_start(sdr_system *system, double dt)
     *u = system->motion[k];
     *v = isnan(system->next_motion[k]) ? 0.0 : (system->next_motion[k] - *u) / dt;
   }
+  start_means(system, dt);
   return SDR_OK;
 }
 

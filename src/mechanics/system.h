@@ -93,6 +93,9 @@ sdr_status sdr_system_create(sdr_model *model, const double *density, sdr_loads 
 sdr_status sdr_system_attach(sdr_system *system, sdr_layers *layers);
 void sdr_system_destroy(sdr_system **system); /* NULL-safe */
 
+/* The mean of `from` (component arrays of points) over the entries of a mean of the supports. */
+double sdr_system_mean(const sdr_system *system, int mean, double *const from[3]);
+
 /* Give prescribed components their motion at t = 0, for a first step of length dt. */
 sdr_status sdr_system_start(sdr_system *system, double dt);
 

@@ -227,6 +227,10 @@ static void read_support(sdr_reading *rd, sdr_node *item, int index)
                    "the support prescribes nothing; give displacement or velocity, like "
                    "displacement: {x: 0}");
   }
+  sdr_read_flag(r, item, "mean", SDR_OPTIONAL, &support->mean);
+  if (support->mean && support->layer)
+    sdr_read_error(r, sdr_node_find(item, "mean")->origin,
+                   "a layer prescribes no mean; leave mean or layer out");
   read_schedule(rd, item, &support->schedule);
   if (support->layer) check_mirror(rd, item, support);
   sdr_read_done(r, item);

@@ -199,6 +199,7 @@ typedef struct {
   sdr_layer_kind layer;     /* SDR_MIRROR_LAYER: held by fictitious points outside the face */
   sdr_support_kind kind[3]; /* per component */
   sdr_expression *value[3]; /* m or m/s; NULL where free */
+  int mean;                 /* 1: of the place's points together, not of each */
   sdr_schedule schedule;
   sdr_origin origin;
 } sdr_support_scene;

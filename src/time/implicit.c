@@ -32,8 +32,11 @@ static sdr_status constrain(sdr_implicit *implicit)
     SDR_TRY(sdr_layers_values(system->layers, implicit->time));
     SDR_TRY(sdr_layers_slaves(system->layers, &implicit->slaves));
   }
+  SDR_TRY(sdr_slaves_of_means(system->supports, system->motion, system->model->points,
+                              &implicit->slaves));
   return sdr_constraints_create(system->model->points, system->supports, system->motion,
-                                system->layers ? &implicit->slaves : NULL, &implicit->constraints);
+                                implicit->slaves.count > 0 ? &implicit->slaves : NULL,
+                                &implicit->constraints);
 }
 
 static void find_held(sdr_implicit *implicit)
@@ -100,8 +103,14 @@ void sdr_implicit_accept(sdr_implicit *implicit)
 {
   const sdr_system *system = implicit->system;
   const sdr_prescribed *list = sdr_supports_list(system->supports);
-  for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
+  const int32_t count = sdr_supports_count(system->supports);
+  for (int32_t k = 0; k < count; ++k)
     implicit->reached[k] = system->u[list[k].component][list[k].point];
+  for (int mean = 0; mean < sdr_supports_means(system->supports); ++mean) {
+    const double reached = sdr_system_mean(system, mean, system->u);
+    for (int32_t k = 0; k < count; ++k)
+      if (list[k].mean == mean) implicit->reached[k] = reached;
+  }
 }
 
 sdr_status sdr_implicit_create(sdr_system *system, sdr_implicit **out)

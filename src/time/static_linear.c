@@ -72,8 +72,9 @@ static sdr_status constrain(problem *p)
     SDR_TRY(sdr_layers_values(system->layers, system->time));
     SDR_TRY(sdr_layers_slaves(system->layers, &p->slaves));
   }
+  SDR_TRY(sdr_slaves_of_means(system->supports, system->motion, system->model->points, &p->slaves));
   return sdr_constraints_create(system->model->points, system->supports, system->motion,
-                                system->layers ? &p->slaves : NULL, &p->constraints);
+                                p->slaves.count > 0 ? &p->slaves : NULL, &p->constraints);
 }
 
 static sdr_status take_loads(problem *p)
@@ -126,7 +127,7 @@ static sdr_status set_up(problem *p)
   if (!p->load || !p->u || !p->force) return SDR_RUN_FAILED;
   const double from = wall();
   SDR_TRY(constrain(p));
-  if (!p->system->layers)
+  if (p->slaves.count == 0)
     SDR_TRY(sdr_rigid_held(p->system->model->points, p->constraints.prescribed));
   SDR_TRY(take_loads(p));
   SDR_TRY(assemble(p));

@@ -317,6 +317,44 @@ static void running_out_of_memory_is_reported_and_leaks_nothing(void **state)
   tear_down(&b);
 }
 
+/* Each component of a support with `mean` is one mean of all its points. */
+static void means_are_numbered_by_support_and_component(void **state)
+{
+  (void)state;
+  bench b;
+  set_up(&b);
+  sdr_support_scene *right = add_support(&b, "pull", "right"),
+                    *left = add_support(&b, "hold", "left");
+  prescribe(right, 0, SDR_PRESCRIBED_DISPLACEMENT, "3 m/s*t");
+  prescribe(right, 1, SDR_PRESCRIBED_VELOCITY, "2 m/s");
+  prescribe(left, 0, SDR_PRESCRIBED_DISPLACEMENT, NULL);
+  right->mean = 1;
+  create(&b);
+  evaluate(&b, 2.0);
+  assert_int_equal(sdr_supports_means(b.supports), 2);
+  const sdr_prescribed *list = sdr_supports_list(b.supports);
+  for (int32_t k = 0; k < sdr_supports_count(b.supports); ++k) {
+    assert_int_equal(list[k].mean, list[k].support == 0 ? list[k].component : -1);
+    if (list[k].mean == 0) assert_near(b.values[k], 6.0);
+  }
+  tear_down(&b);
+}
+
+static void a_mean_has_no_place(void **state)
+{
+  (void)state;
+  bench b;
+  set_up(&b);
+  sdr_support_scene *right = add_support(&b, "pull", "right");
+  prescribe(right, 1, SDR_PRESCRIBED_DISPLACEMENT, "2 + x");
+  right->mean = 1;
+  assert_int_equal(sdr_supports_create(&b.scene, b.points, &b.supports), SDR_BAD_INPUT);
+  assert_string_equal(sdr_error_message(),
+                      "plate.yaml:21:5: support 'pull' prescribes a mean, which has no place: let "
+                      "its y component be a number or a formula of t");
+  tear_down(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -330,6 +368,8 @@ int main(void)
       cmocka_unit_test(one_support_may_take_over_where_another_ends),
       cmocka_unit_test(a_support_without_points_is_refused),
       cmocka_unit_test(a_formula_that_is_not_finite_names_the_support),
+      cmocka_unit_test(means_are_numbered_by_support_and_component),
+      cmocka_unit_test(a_mean_has_no_place),
       cmocka_unit_test(running_out_of_memory_is_reported_and_leaks_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
