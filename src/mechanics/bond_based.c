@@ -256,6 +256,7 @@ static void destroy(sdr_model *model)
   sdr_free(bond->moved);
   sdr_free(bond->family_volume);
   sdr_free(bond->booked);
+  sdr_mean_kept_destroy(&bond->mean);
   sdr_free(bond);
 }
 
@@ -272,6 +273,11 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .visit_hessian = sdr_bond_visit_hessian,
                                   .visit_secant = sdr_bond_visit_secant,
                                   .break_most = sdr_bond_break_most,
+                                  .mean_force = sdr_bond_mean_force,
+                                  .mean_keep = sdr_bond_mean_keep,
+                                  .mean_times = sdr_bond_mean_times,
+                                  .mean_diagonal = sdr_bond_mean_diagonal,
+                                  .visit_mean_tangent = sdr_bond_visit_mean_tangent,
                                   .mark = sdr_bond_mark,
                                   .skip_rest = skip_rest,
                                   .traits = traits,

@@ -5,6 +5,7 @@
 #include "damage/bond_law.h"
 #include "mechanics/bond_based.h"
 #include "mechanics/bond_body.h"
+#include "mechanics/bond_mean.h"
 
 typedef struct {
   sdr_model head;
@@ -17,6 +18,7 @@ typedef struct {
   uint8_t *moved;     /* a stripe: 1 once some displacement in it was not zero */
   int keep_resting;   /* 1: compute resting stripes too (tests) */
   double *booked;     /* a stripe: energy of bonds lost so far, J (critical_stretch) */
+  struct sdr_mean_kept *mean; /* of mean_keep; NULL: never asked */
 } sdr_bond_model;
 
 /* C, q and r of point i. */

@@ -121,6 +121,14 @@ typedef struct {
      angular momentum. Changes nothing in the model. NULL: the model has none. */
   void (*mean_force)(sdr_model *model, double *const u0[3], double *const u1[3],
                      double *const f[3]);
+  /* The mean force, and what mean_times and mean_diagonal of the same step (u0, u1) need of it. */
+  sdr_status (*mean_keep)(sdr_model *model, double *const u0[3], double *const u1[3],
+                          double *const f[3]);
+  /* out = -d(mean_force)/d(u1) v, exact away from kinks. N/m times m. */
+  void (*mean_times)(sdr_model *model, double *const u0[3], double *const u1[3],
+                     double *const v[3], double *const out[3]);
+  /* Its diagonal blocks: components^2 values a point, row major. */
+  void (*mean_diagonal)(sdr_model *model, double *const u0[3], double *const u1[3], double *out);
   /* -d(mean_force)/d(u1) in parts; not symmetric. */
   sdr_status (*visit_mean_tangent)(sdr_model *model, double *const u0[3], double *const u1[3],
                                    sdr_hessian_visitor visit, void *context);
