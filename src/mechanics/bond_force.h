@@ -142,6 +142,17 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const 
     if (commit) block->stretch[k] = grown;
     return SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
   }
+  if (sdr_law_softens(law)) { /* these have one form for all kinds of number */
+    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
+    const double kept = grown > 0.0f ? (double)grown : 0.0;
+    if (commit) block->stretch[k] = grown;
+    const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, kept).left;
+    const SDR_REAL soft_j =
+        each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, kept).left : soft_i;
+    const SDR_REAL soft = SDR_FMA(ci, soft_i, cj * soft_j);
+    return SDR_NAMED(stiffness_left)(marked, z, grown, soft, ci + cj) *
+           SDR_NAMED(force_factor)(z, t.r);
+  }
   SDR_REAL left = ci + cj;
   if (law == SDR_LAW_CRITICAL_STRETCH) {
     const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
@@ -251,16 +262,18 @@ SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * 
   }
 }
 
-/* Forces of the band runs [r, r + count) for their pairs with i in [from, end). */
+/* Forces of a band's piece. `end`: that of all runs at hand. */
 SDR_INLINE void SDR_NAMED(force_of_band)(const int components, const int law, const int each,
                                          const int commit, const sdr_bond_body *body,
-                                         const sdr_band_piece *piece, double *const u[3],
-                                         double *const f[3], SDR_NAMED(sdr_band) * band)
+                                         const sdr_band_piece *piece, int64_t end,
+                                         double *const u[3], double *const f[3],
+                                         SDR_NAMED(sdr_band) * band)
 {
   band->count = 0;
   for (int64_t r = piece->run; r < piece->run_end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
+    fetch_next(law, body, piece, r, end);
     if (block.count <= 0) continue;
     const int c = band->count++;
     SDR_REAL *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
@@ -290,10 +303,10 @@ SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, co
     for (int a = 0; a < components; ++a) memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_REAL));
   for (int64_t r = first; r < end;) {
     sdr_band_piece piece = {.run = r, .run_end = end};
-    const int32_t last = find_band(body->bonds->runs, &piece);
-    for (; piece.from < last; piece.from = piece.end) {
-      piece.end = last - piece.from < SDR_BLOCK ? last : piece.from + SDR_BLOCK;
-      SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, u, f, &band);
+    find_band(body->bonds->runs, &piece);
+    for (; piece.from < piece.last; piece.from = piece.end) {
+      piece.end = piece.last - piece.from < SDR_BLOCK ? piece.last : piece.from + SDR_BLOCK;
+      SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, end, u, f, &band);
     }
     r = piece.run_end;
   }

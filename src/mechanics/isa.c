@@ -2,6 +2,7 @@
 #include "mechanics/isa.h"
 
 #include "mechanics/bond_body.h"
+#include "mechanics/motion.h"
 
 #include <string.h>
 
@@ -45,6 +46,16 @@ const sdr_precise_kernels *sdr_precise_kernels_best(void)
   if (level == 1) return &sdr_precise_kernels_avx2;
 #endif
   return &sdr_precise_kernels_baseline;
+}
+
+const sdr_motion_kernels *sdr_motion_kernels_best(void)
+{
+#ifdef SDR_HAVE_X86_KERNELS
+  const int level = sdr_isa_level();
+  if (level == 2) return &sdr_motion_kernels_avx512;
+  if (level == 1) return &sdr_motion_kernels_avx2;
+#endif
+  return &sdr_motion_kernels_baseline;
 }
 
 sdr_status sdr_isa_limit(const char *name)

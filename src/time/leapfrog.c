@@ -1,6 +1,7 @@
 /* Leapfrog (velocity Verlet): v(n+1/2) = v(n-1/2) + dt a(n), u(n+1) = u(n) + dt v(n+1/2). The
    system keeps the velocity of half a step ago; at the system's time it is v + dt/2 a. */
 #include "base/parallel.h"
+#include "mechanics/motion.h"
 #include "time/integrator.h"
 
 #include <math.h>
@@ -19,6 +20,7 @@ static sdr_status start(sdr_system *system, double dt)
 
 typedef struct {
   const sdr_system *system;
+  const sdr_motion_kernels *kernels;
   double dt;
   int failed[256]; /* a stripe: 1 if a point of it flew off */
 } move_call;
@@ -45,16 +47,9 @@ static void move_stripe(void *context, int s)
   const int32_t first = points->stripe_first[s], end = points->stripe_first[s + 1];
   const double far = points->horizon[first] / dt;
   int suspect = 0;
-  for (int a = 0; a < system->components; ++a) {
-    double *const u = system->u[a], *const v = system->v[a], *const f = system->f[a];
-#pragma omp simd reduction(| : suspect)
-    for (int32_t i = first; i < end; ++i) {
-      const double moved = v[i] + dt * f[i] / mass[i];
-      v[i] = moved;
-      u[i] += dt * moved;
-      suspect |= !(fabs(moved) < 0.5 * far);
-    }
-  }
+  for (int a = 0; a < system->components; ++a)
+    suspect |= call->kernels->move(end - first, dt, 0.5 * far, mass + first, system->f[a] + first,
+                                   system->v[a] + first, system->u[a] + first);
   for (int32_t i = first; suspect && i < end; ++i)
     if (flew_off(system, i, dt)) call->failed[s] = 1;
 }
@@ -80,7 +75,7 @@ static sdr_status report_blow_up(const sdr_system *system, const move_call *call
 
 static sdr_status step(sdr_system *system, double dt)
 {
-  move_call call = {.system = system, .dt = dt};
+  move_call call = {.system = system, .kernels = sdr_motion_kernels_best(), .dt = dt};
   sdr_parallel_for(0, system->model->points->stripe_count, 1, move_stripe, &call);
   ++system->step;
   system->time = (double)system->step * dt;
