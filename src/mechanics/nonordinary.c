@@ -153,6 +153,18 @@ static void force_commit(sdr_model *model, double *const u[3], double *const v[3
   compute_force(own, 1, u, f);
 }
 
+static void commit(sdr_model *model, double *const u[3])
+{
+  sdr_nonordinary_model *own = model_of(model);
+  if (own->state.law != SDR_LAW_CRITICAL_STRETCH) {
+    sdr_state_commit(model, u);
+    return;
+  }
+  sdr_nonordinary_refresh(own);
+  sdr_nonordinary_break(own, u);
+  sdr_state_book(&own->state, u, NULL, 0.0);
+}
+
 static void split(sdr_state_body *state, double *const u[3])
 {
   sdr_nonordinary_call call = call_of((sdr_nonordinary_model *)state, SDR_POINT_ENERGY, u);
@@ -198,18 +210,31 @@ static void destroy(sdr_model *model)
     sdr_free(own->body.gradient[k]);
     sdr_free(own->body.bearing[k]);
   }
-  void *const blocks[] = {own->body.shear,      own->body.normal,
-                          own->body.square,     own->body.along,
-                          own->body.soft,       own->body.stiff,
-                          own->lambda,          own->mu,
-                          own->body.blocks,     own->body.bundles,
-                          own->body.directions, own->control_shear,
-                          own->control_normal,  own->reference_lambda,
-                          own->reference_mu,    own->limit,
-                          own->whole,           own->least,
-                          own->whole_lambda,    own->whole_mu,
-                          own->found,           own->found_loose,
-                          own->first,           own->member};
+  void *const blocks[] = {own->body.shear,
+                          own->body.normal,
+                          own->body.square,
+                          own->body.along,
+                          own->body.soft,
+                          own->body.stiff,
+                          own->lambda,
+                          own->mu,
+                          own->body.blocks,
+                          own->body.bundles,
+                          own->body.directions,
+                          own->control_shear,
+                          own->control_normal,
+                          own->reference_lambda,
+                          own->reference_mu,
+                          own->limit,
+                          own->whole,
+                          own->least,
+                          own->whole_lambda,
+                          own->whole_mu,
+                          own->found,
+                          own->found_loose,
+                          own->first,
+                          own->member,
+                          own->torn};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   sdr_free(own);
 }
@@ -232,7 +257,7 @@ static void traits(const sdr_model *model, sdr_model_traits *out)
 static const sdr_model_ops ops = {.name = "nonordinary",
                                   .force = force,
                                   .force_commit = force_commit,
-                                  .commit = sdr_state_commit,
+                                  .commit = commit,
                                   .energies = sdr_state_energies,
                                   .reference_times = reference_times,
                                   .tangent_times = sdr_nonordinary_tangent_times,
@@ -284,6 +309,7 @@ static sdr_status alloc_all(sdr_nonordinary_model *model)
   }
   failed |= !(model->found = sdr_alloc((size_t)bonds->run_count, 1));
   failed |= !(model->found_loose = sdr_alloc((size_t)bonds->loose.chunk_count, 1));
+  failed |= !(model->torn = sdr_alloc(padded, 1));
   return failed ? SDR_RUN_FAILED : SDR_OK;
 }
 
@@ -326,12 +352,20 @@ static sdr_status set_constants(sdr_nonordinary_model *model, const sdr_state_ba
     model->whole_lambda[i] = moduli.lambda;
     model->whole_mu[i] = moduli.mu;
     model->body.plane_stress = moduli.plane_stress;
-    if (!model->state.threshold) continue;
+  }
+  return set_control(model, how);
+}
+
+static sdr_status set_threshold(sdr_nonordinary_model *model, const double *toughness)
+{
+  if (!model->state.threshold) return SDR_OK;
+  SDR_TRY(sdr_nonordinary_set_threshold(model, toughness));
+  for (int32_t i = 0; i < model->state.head.points->count; ++i) {
     const double s = sqrt(model->state.threshold[i]);
     /* a little less: what is found here is looked at again */
     model->limit[i] = s * (2.0 + s) * (1.0 - 1e-12);
   }
-  return set_control(model, how);
+  return SDR_OK;
 }
 
 static const sdr_nonordinary_kernels *best_kernels(void)
@@ -352,6 +386,7 @@ static sdr_status make(sdr_nonordinary_model *model, const sdr_points *points, s
   model->split = how->law == SDR_LAW_VARIATIONAL ? (int)how->split : SDR_SPLIT_WHOLE;
   SDR_TRY(alloc_all(model));
   SDR_TRY(set_constants(model, how));
+  SDR_TRY(set_threshold(model, how->toughness));
   model->body.points = points;
   model->body.bonds = bonds;
   model->body.lambda = model->lambda;

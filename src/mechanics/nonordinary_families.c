@@ -1,5 +1,5 @@
-/* Shape tensors of non-ordinary bodies, and what happens when critical stretch takes bonds out of
-   families: they are made anew, and the energy that went is booked. */
+/* Shape tensors of non-ordinary bodies, made anew when critical stretch takes bonds out of
+   families, and the energy that goes with them. */
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 #include "mechanics/nonordinary_internal.h"
@@ -10,9 +10,9 @@
 
 /* Above this ratio of eigenvalues a shape tensor counts as singular. */
 static const double worst_condition = 1e8;
-/* The stiffness of a point goes with the square of the inverse of its shape tensor K. Where lost bonds
-   have brought the least eigenvalue of K below this share of the first, the moduli fade with its
-   square, so that the step that suited the whole body still does. A plane cut leaves 1/2. */
+/* The stiffness of a point goes with the square of the inverse of its shape tensor K. Where lost
+   bonds have brought the least eigenvalue of K below this share of the first, the moduli fade with
+   its square, so that the step that suited the whole body still does. A plane cut leaves 1/2. */
 static const double least_share = 0.3;
 
 static sdr_flags flags_of(const sdr_state_body *state, const sdr_pair *pair)
@@ -109,15 +109,37 @@ static double condition_of(const extremes *k)
   return k->least > 0.0 ? k->most / k->least : (double)INFINITY;
 }
 
+double sdr_nonordinary_least(int n, const double k[6])
+{
+  return least_share * extremes_of(n, k).least;
+}
+
+double sdr_nonordinary_share(int n, const double k[6], double least, double inverse[6])
+{
+  double a[6];
+  const extremes of = extremes_of(n, k);
+  const double determinant = adjugate(n, k, a), condition = condition_of(&of);
+  const int sound = condition >= 1.0 && condition <= worst_condition;
+  for (int e = 0; e < n * (n + 1) / 2; ++e) inverse[e] = sound ? a[e] / determinant : 0.0;
+  if (!sound) return 0.0;
+  return of.least < least ? of.least / least : 1.0;
+}
+
+static double trace_of(int n, const double k[6])
+{
+  double trace = 0.0;
+  for (int a = 0; a < n; ++a) trace += k[sdr_upper(n, a, a)];
+  return trace;
+}
+
 /* Note what the family of point i is at the start. */
 static void note_whole(sdr_nonordinary_model *model, int32_t i)
 {
   const int n = model->state.head.points->components;
   double k[6] = {0.0};
   for (int e = 0; e < n * (n + 1) / 2; ++e) k[e] = model->body.inverse[e][i];
-  model->least[i] = least_share * extremes_of(n, k).least;
-  model->whole[i] = 0.0;
-  for (int e = 0; e < n; ++e) model->whole[i] += k[sdr_upper(n, e, e)];
+  model->least[i] = sdr_nonordinary_least(n, k);
+  model->whole[i] = trace_of(n, k);
 }
 
 /* Let point i have `share` of its moduli. */
@@ -136,20 +158,18 @@ static int invert(sdr_nonordinary_model *model, int32_t i)
 {
   const sdr_points *points = model->state.head.points;
   const int n = points->components, size = n * (n + 1) / 2;
-  double k[6] = {0.0}, a[6];
+  double k[6] = {0.0}, inverse[6];
   for (int e = 0; e < size; ++e) k[e] = model->body.inverse[e][i];
-  const extremes of = extremes_of(n, k);
-  const double determinant = adjugate(n, k, a), condition = condition_of(&of);
-  const int sound = condition >= 1.0 && condition <= worst_condition;
-  const double share = sound && of.least < model->least[i] ? of.least / model->least[i] : 1.0;
-  for (int e = 0; e < size; ++e) model->body.inverse[e][i] = sound ? a[e] / determinant : 0.0;
-  const double volume = sound ? points->volume[i] / model->whole[i] : 0.0;
+  const double share = sdr_nonordinary_share(n, k, model->least[i], inverse);
+  for (int e = 0; e < size; ++e) model->body.inverse[e][i] = inverse[e];
+  const double volume = share > 0.0 ? points->volume[i] / model->whole[i] : 0.0;
   model->body.shear[i] = volume * model->control_shear[i];
   model->body.normal[i] = volume * model->control_normal[i];
   model->body.soft[i] = model->body.shear[i];
   model->body.stiff[i] = model->body.normal[i];
-  soften(model, i, share * share);
-  return sound || condition == 0.0;
+  /* where K has no inverse there is no strain, and laws want moduli above 0 */
+  soften(model, i, share > 0.0 ? share * share : 1.0);
+  return share > 0.0 || !(trace_of(n, k) > 0.0);
 }
 
 /* Of point i, from the inverse, which has the same ratio; 0 if it carries nothing. */
@@ -194,85 +214,22 @@ sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail)
   return SDR_OK;
 }
 
+static void note_torn(void *context, const sdr_pair *pair)
+{
+  sdr_nonordinary_model *model = context;
+  const sdr_flags flags = flags_of(&model->state, pair);
+  if (flags & SDR_CUT) return;
+  if (flags & SDR_LOST_I) model->torn[pair->i] = 1;
+  if (flags & SDR_LOST_J && !pair->loose) model->torn[pair->j] = 1;
+}
+
 void sdr_nonordinary_refresh(sdr_nonordinary_model *model)
 {
   if (!model->stale) return;
   make_families(model, 0);
+  sdr_bonds_visit(model->state.bonds, model->state.head.points, note_torn, model);
   for (int32_t i = 0; i < model->state.head.points->count; ++i) invert(model, i);
   model->stale = 0;
-}
-
-/* ---- bonds that break ------------------------------------------------------------------------ */
-
-typedef struct {
-  sdr_nonordinary_model *model;
-  double *const *u;
-  int fresh;
-} break_call;
-
-static void break_pair(void *context, const sdr_pair *pair)
-{
-  break_call *call = context;
-  sdr_state_body *state = &call->model->state;
-  sdr_flags *flags = (pair->loose ? state->loose_flags : state->flags) + pair->slot;
-  const double s = sdr_pair_stretch(pair, state->head.points->components, call->u);
-  const sdr_flags fresh = sdr_state_lost(state, pair, s, 1) & ~*flags;
-  if (!fresh) return;
-  *flags |= fresh | fresh << 2;
-  call->fresh = 1;
-}
-
-static void break_stripe(void *context, int s)
-{
-  break_call call = *(const break_call *)context;
-  sdr_nonordinary_model *model = call.model;
-  sdr_state_body *state = &model->state;
-  const sdr_bonds *bonds = state->bonds;
-  const int64_t first = bonds->stripe_run[s], end = bonds->stripe_run[s + 1];
-  sdr_nonordinary_body body = model->body;
-  body.flags = state->flags;
-  body.run_flagged = state->run_flagged;
-  if (sdr_state_rests(state, s, 0, 1)) return;
-  model->kernels->find[bonds->components - 1](&body, first, end, call.u, model->limit,
-                                              model->found);
-  for (int64_t r = first; r < end; ++r) {
-    if (!model->found[r]) continue;
-    call.fresh = 0;
-    sdr_bonds_visit_run(bonds, &bonds->runs[r], break_pair, &call);
-    if (call.fresh) state->run_fresh[r] = state->run_flagged[r] = 1;
-  }
-}
-
-/* The slots of one loose point belong to it alone. */
-static void break_chunks(void *context, int s)
-{
-  break_call call = *(const break_call *)context;
-  sdr_nonordinary_model *model = call.model;
-  sdr_state_body *state = &model->state;
-  const int32_t count = state->head.points->count;
-  int64_t first, end;
-  sdr_state_chunks(state, s, &first, &end);
-  sdr_nonordinary_body body = model->body;
-  body.loose_flags = state->loose_flags;
-  model->kernels->find_loose[state->bonds->components - 1](&body, first, end, call.u, model->limit,
-                                                           model->found_loose);
-  for (int64_t chunk = first; chunk < end; ++chunk) {
-    if (!model->found_loose[chunk]) continue;
-    call.fresh = 0;
-    for (int64_t i = chunk * SDR_LANES; i < (chunk + 1) * SDR_LANES && i < count; ++i)
-      sdr_bonds_visit_loose_point(state->bonds, (int32_t)i, break_pair, &call);
-    if (call.fresh) state->chunk_fresh[chunk] = 1;
-  }
-}
-
-void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3])
-{
-  const sdr_state_body *state = &model->state;
-  const int stripes = state->head.points->stripe_count;
-  break_call call = {model, u, 0};
-  sdr_state_watch(&model->state, u);
-  sdr_parallel_for(0, stripes, 1, break_stripe, &call);
-  if (state->bonds->loose.chunk_count > 0) sdr_parallel_for(0, stripes, 1, break_chunks, &call);
 }
 
 /* ---- books ----------------------------------------------------------------------------------- */
@@ -435,4 +392,6 @@ void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *con
   sdr_nonordinary_remake_fresh(state);
   call.before = 0;
   add_all_energies(&call, -1.0, dt);
+  for (int32_t i = 0; i < state->head.points->count; ++i)
+    if (state->fresh[i] && !(state->release[i] < 0.0)) call.model->torn[i] = 1;
 }

@@ -31,6 +31,7 @@ typedef struct {
   double *reference_lambda, *reference_mu; /* Pa, of the law for small strains */
   double *limit;                           /* critical_stretch: s0 (2 + s0) */
   uint8_t *found, *found_loose;            /* a run, a chunk */
+  uint8_t *torn;                           /* a point: 1 if it has lost bonds since the start */
   int32_t stale; /* 1: the flags may have been read from a checkpoint (critical_stretch) */
 
   /* Made when a tangent is first asked for. */
@@ -62,9 +63,19 @@ void sdr_nonordinary_gradient(const sdr_nonordinary_model *model, int32_t i);
 /* Shape tensors, moments and control of all families as the flags leave them. A point without an
    invertible shape tensor is named in the error; `may_fail`: it carries nothing instead. */
 sdr_status sdr_nonordinary_families(sdr_nonordinary_model *model, int may_fail);
-/* The same for flags that have come from a checkpoint. */
+/* K^-1 (upper half; zero where K has none) and the share that stays of K's stiffness: 1, less where
+   its least eigenvalue is below `least`, 0 where it cannot be inverted. Moduli go with its square.
+ */
+double sdr_nonordinary_share(int n, const double k[6], double least, double inverse[6]);
+/* `least` of a family that starts with K. */
+double sdr_nonordinary_least(int n, const double k[6]);
+/* All families, for flags that have come from a checkpoint. */
 void sdr_nonordinary_refresh(sdr_nonordinary_model *model);
 void sdr_nonordinary_remake_fresh(sdr_state_body *state);
+
+/* s0^2 of every point, such that a plane cut takes Gc (J/m^2, a material index), as nearly as can
+   be for cuts in any direction. */
+sdr_status sdr_nonordinary_set_threshold(sdr_nonordinary_model *model, const double *toughness);
 
 /* Break what u stretches too far (critical_stretch). */
 void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3]);

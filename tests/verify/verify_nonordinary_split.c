@@ -29,6 +29,42 @@ static void a_split_body_dissipates_the_toughness_at_0_and_22_5_and_45_degrees(v
     }
 }
 
+/* s0 is found by splitting full families with all that breaking bonds bring about; small strains
+   stand for all laws. Bonds break here up to 1.5 % late. */
+static void critical_stretch_takes_the_toughness_in_any_direction(void **state)
+{
+  (void)state;
+  static const double poisson[5] = {0.1, 0.4, 0.25, 0.25, 0.25};
+  static const sdr_elasticity laws[5] = {SDR_LINEAR, SDR_LINEAR, SDR_NEO_HOOKEAN, SDR_LINEAR,
+                                         SDR_SAINT_VENANT_KIRCHHOFF};
+  for (int k = 0; k < 5; ++k)
+    for (int angle = 0; angle < 3; ++angle) {
+      const nonordinary_how how = {.shape = {.dimension = k == 3   ? SDR_3D
+                                                          : k == 2 ? SDR_PLANE_STRAIN
+                                                                   : SDR_PLANE_STRESS,
+                                             .law = SDR_LAW_CRITICAL_STRETCH,
+                                             .ratio = k == 4 ? 4.015 : 3.015,
+                                             .force_loose = k == 1},
+                                   .elasticity = laws[k],
+                                   .poisson = poisson[k],
+                                   .strain = 0.001};
+      const double taken = separation(&how, angle * 3.14159265358979323846 / 8.0);
+      print_message("%d, %g degrees: %.4f\n", k, 22.5 * angle, taken);
+      assert_near(taken, 1.0, 0.05);
+    }
+}
+
+static void jittered_points_take_the_toughness_too(void **state)
+{
+  (void)state;
+  const nonordinary_how how = {
+      .shape = {.dimension = SDR_PLANE_STRESS, .law = SDR_LAW_CRITICAL_STRETCH, .jitter = 0.3},
+      .strain = 0.001};
+  const double taken = separation(&how, 0.0);
+  print_message("jittered: %.4f\n", taken);
+  assert_near(taken, 1.0, 0.05);
+}
+
 /* ---- torn to pieces ---------------------------------------------------------------------------
  */
 
@@ -74,6 +110,8 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_split_body_dissipates_the_toughness_at_0_and_22_5_and_45_degrees),
+      cmocka_unit_test(critical_stretch_takes_the_toughness_in_any_direction),
+      cmocka_unit_test(jittered_points_take_the_toughness_too),
       cmocka_unit_test(a_lost_bond_never_raises_the_energy_of_a_point),
       cmocka_unit_test(a_body_torn_to_pieces_at_the_default_step_keeps_its_books),
   };
