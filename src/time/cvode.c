@@ -19,6 +19,7 @@
 #include "time/reduced_solver.h"
 #include "time/stable_step.h"
 #include "time/sun_parts.h"
+#include "time/sun_vectors.h"
 #include "time/tolerances.h"
 
 #include <cvodes/cvodes.h>
@@ -37,7 +38,7 @@ typedef struct {
 
   SUNContext context;
   void *memory;
-  N_Vector y, slope, limits, outside;
+  N_Vector y, slope, outside;
   SUNMatrix matrix;
   SUNLinearSolver linear;
   SUNNonlinearSolver nonlinear;
@@ -60,7 +61,7 @@ static void close_method(work *w)
   if (w->linear) SUNLinSolFree(w->linear);
   if (w->matrix) SUNMatDestroy(w->matrix);
   if (w->nonlinear) SUNNonlinSolFree(w->nonlinear);
-  N_Vector *const vectors[] = {&w->y, &w->slope, &w->limits, &w->outside};
+  N_Vector *const vectors[] = {&w->y, &w->slope, &w->outside};
   for (size_t k = 0; k < sizeof vectors / sizeof *vectors; ++k) {
     if (*vectors[k]) N_VDestroy(*vectors[k]);
     *vectors[k] = NULL;
@@ -131,6 +132,21 @@ static int outside_of(realtype t, N_Vector y, N_Vector rates, void *context)
   return failed;
 }
 
+/* weight = 1/(relative |y| + absolute), both kinds of entries in one go. */
+static int weigh(N_Vector y, N_Vector weight, void *context)
+{
+  const work *w = context;
+  const sdr_tolerances *t = &w->tolerances;
+  const double *from = values(y);
+  double *to = values(weight);
+  const int32_t n = w->size;
+#pragma omp simd
+  for (int32_t k = 0; k < n; ++k) to[k] = 1.0 / (t->relative * fabs(from[k]) + t->displacement);
+#pragma omp simd
+  for (int32_t k = n; k < 2 * n; ++k) to[k] = 1.0 / (t->relative * fabs(from[k]) + t->velocity);
+  return 0;
+}
+
 static void find_diagonal(work *w, double gamma)
 {
   const double *mass = sdr_motion_mass(w->motion);
@@ -197,14 +213,9 @@ static sdr_status make_vectors(work *w)
   w->y = N_VNew_Serial(2 * (sunindextype)n, w->context);
   w->outside = N_VNew_Serial(SDR_MOTION_RATES, w->context);
   if (!w->g || !w->diagonal || !w->right || !w->scale || !w->y || !w->outside) return complain(w);
-  N_VEnableFusedOps_Serial(w->y, SUNTRUE);
+  sdr_sun_quicken(w->y);
   w->slope = N_VClone(w->y);
-  w->limits = N_VClone(w->y);
-  if (!w->slope || !w->limits) return complain(w);
-  for (size_t k = 0; k < n; ++k) {
-    values(w->limits)[k] = w->tolerances.displacement;
-    values(w->limits)[n + k] = w->tolerances.velocity;
-  }
+  if (!w->slope) return complain(w);
   return SDR_OK;
 }
 
@@ -236,7 +247,7 @@ static sdr_status open_method(work *w)
   if (!w->memory) return complain(w);
   int flag = CVodeSetErrHandlerFn(w->memory, sdr_sun_remember, &w->complaint);
   if (!flag) flag = CVodeInit(w->memory, slope_of, w->system->time, w->y);
-  if (!flag) flag = CVodeSVtolerances(w->memory, w->tolerances.relative, w->limits);
+  if (!flag) flag = CVodeWFtolerances(w->memory, weigh);
   if (!flag) flag = CVodeSetUserData(w->memory, w);
   if (!flag && how->order > 0) flag = CVodeSetMaxOrd(w->memory, how->order);
   if (!flag) flag = CVodeSetMaxStep(w->memory, w->longest);
