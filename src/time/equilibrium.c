@@ -114,7 +114,7 @@ double sdr_equilibrium_gradient(sdr_equilibrium *e, const double *u, double *gra
 
 double sdr_equilibrium_tolerance(const sdr_equilibrium *e)
 {
-  return fmax(1e-6 * fmax(e->scale, 1e-4 * e->largest), e->rounding);
+  return fmax(1e-6 * fmax(e->scale, 1e-4 * e->largest), fmin(e->rounding, 1e-4 * e->scale));
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */

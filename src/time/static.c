@@ -19,6 +19,9 @@ static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_stat
 /* Of the largest energy so far: more than this is not balanced by an increment that found the
    equilibrium next to the last. */
 static const double most_excess = 2e-3;
+/* Likewise: so much may be set free when an equilibrium ceases to exist and the next one is found.
+ */
+static const double most_release = 2e-2;
 /* Of the first length: shorter increments move the body instead. */
 static const double least_length = 1.0 / 256.0;
 
@@ -174,18 +177,23 @@ static sdr_status break_bonds(sdr_static_work *w, int *found)
   return SDR_OK;
 }
 
-/* The equilibrium at `time` into w->tried; *found = 0 if there is none next to the last one. */
-static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *report, int *found)
+/* What was found at `time`. */
+typedef enum { NOTHING, ELSEWHERE, NEXT } finding;
+
+/* The equilibrium at `time` into w->tried: the next to the last one, or one whose energy does not
+   balance the work on the way there. */
+static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *report,
+                          finding *found)
 {
   int renumbered;
   SDR_TRY(sdr_implicit_move(w->implicit, time, &renumbered));
   if (renumbered) sdr_equilibrium_renumber(w->equilibrium);
   SDR_TRY(sdr_newton_predict(w->newton, w->u, w->tried));
   SDR_TRY(w->method->solve(w->state, w->tried, report));
-  *found = report->converged;
-  if (!*found) return SDR_OK;
-  const double excess = sdr_static_excess(w, NULL);
-  *found = fabs(excess) <= most_excess * fmax(w->largest, w->reached);
+  *found = NOTHING;
+  if (!report->converged) return SDR_OK;
+  w->excess = sdr_static_excess(w, NULL);
+  *found = fabs(w->excess) <= most_excess * fmax(w->largest, w->reached) ? NEXT : ELSEWHERE;
   return SDR_OK;
 }
 
@@ -233,13 +241,31 @@ static void finish(sdr_static_work *w, double time)
   ++system->solve.accepted;
 }
 
-/* Statics has no answer: the body moves there. */
-static sdr_status move(sdr_static_work *w, double time)
+/* Take the equilibrium found: what its energy is short of is what a damped motion would have lost
+   on the way. */
+static void release(sdr_static_work *w, double dt)
 {
+  w->implicit->system->viscous -= w->excess;
+  sdr_static_take(w, NULL, dt);
+}
+
+/* Statics has no answer: the body moves there. */
+static sdr_status move(sdr_static_work *w, double time, finding found)
+{
+  sdr_system *system = w->implicit->system;
+  sdr_newton_report report;
   int rested;
-  ++w->implicit->system->solve.fallbacks;
+  if (found == ELSEWHERE && w->excess < 0.0 && -w->excess < most_release * w->largest) {
+    release(w, time - system->time);
+    return SDR_OK;
+  }
+  ++system->solve.fallbacks;
   SDR_TRY(sdr_static_move(w, &rested));
-  return rested ? SDR_OK : stop(w, time);
+  if (rested) return SDR_OK;
+  SDR_TRY(attempt(w, time, &report, &found)); /* from where motion has got stuck */
+  if (found == NOTHING || w->excess > 0.0) return stop(w, time);
+  release(w, 0.0);
+  return SDR_OK;
 }
 
 static void say_what_was_solved(sdr_static_work *w)
@@ -265,23 +291,25 @@ static sdr_status step(sdr_system *system, double dt)
 {
   sdr_static_work *w = system->work;
   sdr_newton_report report = {0};
-  int found = 0, cut = 0;
+  finding found = NOTHING;
+  int cut = 0, balanced = 1;
   w->longest = dt;
   double time = next_time(w);
   SDR_TRY(attempt(w, time, &report, &found));
-  while (!found && time - system->time > 2.0 * least_length * dt) {
+  while (found != NEXT && time - system->time > 2.0 * least_length * dt) {
     time = system->time + 0.5 * (time - system->time);
     cut = 1;
     ++system->solve.cuts;
     SDR_TRY(attempt(w, time, &report, &found));
   }
-  if (found) {
+  if (found == NEXT)
     sdr_static_take(w, NULL, time - system->time);
-    SDR_TRY(break_bonds(w, &found));
-  }
-  if (!found) SDR_TRY(move(w, time));
+  else
+    SDR_TRY(move(w, time, found));
+  SDR_TRY(break_bonds(w, &balanced));
+  if (!balanced) SDR_TRY(move(w, time, NOTHING));
   if (cut) w->length = time - system->time;
-  if (!cut) w->length = fmin(1.5 * w->length, dt);
+  if (!cut) w->length = fmin(2.0 * w->length, dt);
   finish(w, time);
   say_what_was_solved(w);
   return SDR_OK;

@@ -32,11 +32,11 @@ typedef struct {
   double length, longest; /* s: of the next increment; of any */
   double *u, *tried;      /* an unknown: the last equilibrium; the next, m */
   double *before, *now,
-      *way;       /* an unknown: forces from outside at both (N), and what lies between */
-  double *load;   /* an unknown: loads at the last equilibrium, N */
-  double energy;  /* stored and dissipated at the last equilibrium, J */
-  double largest; /* most of it so far, J */
-  double reached; /* that of `tried` when its excess was looked at, J */
+      *way;               /* an unknown: forces from outside at both (N), and what lies between */
+  double *load;           /* an unknown: loads at the last equilibrium, N */
+  double energy;          /* stored and dissipated at the last equilibrium, J */
+  double largest;         /* most of it so far, J */
+  double reached, excess; /* of tried: its energy, and what that exceeds the work by, J */
 } sdr_static_work;
 
 /* Book what the step from the last equilibrium (or state of motion) to `tried` took, where `total`

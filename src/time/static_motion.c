@@ -15,17 +15,17 @@
 
 enum { MOST_STEPS = 1000 };
 
-/* Of the largest energy: what a step may miss in its balance; kinetic energy that counts as rest.
- */
-static const double most_imbalance = 1e-4, at_rest = 1e-7;
+/* Of the largest energy: what a step may miss in its balance; what a body near its equilibrium
+   still has to lose. */
+static const double most_imbalance = 1e-4, near_rest = 1e-3;
 
 typedef struct {
   sdr_static_work *w;
   double *v, *a, *pull, *target, *total; /* an unknown each */
   double *v1, *a1;
-  double damping; /* 1/s */
-  double dt, least;
-  double kinetic, most_kinetic;
+  double damping;            /* 1/s */
+  double dt, least, longest; /* s */
+  double kinetic;            /* J */
 } motion;
 
 static void motion_free(motion *m)
@@ -51,6 +51,17 @@ static double fastest(const sdr_static_work *w)
   return least;
 }
 
+/* A support that lets go leaves its points out of balance. */
+static void set_first_acceleration(motion *m)
+{
+  sdr_static_work *w = m->w;
+  const sdr_implicit *implicit = w->implicit;
+  sdr_implicit_force(w->implicit, w->u, w->equilibrium->internal);
+  for (int32_t r = 0; r < implicit->unknowns; ++r)
+    if (!implicit->held[r] && implicit->mass[r] > 0.0)
+      m->a[r] = (w->equilibrium->internal[r] + implicit->load[r]) / implicit->mass[r];
+}
+
 static sdr_status motion_create(sdr_static_work *w, motion *m)
 {
   const sdr_system *system = w->implicit->system;
@@ -65,6 +76,8 @@ static sdr_status motion_create(sdr_static_work *w, motion *m)
   m->damping = 2.0 / (across * unit);
   m->dt = 4.0 * unit;
   m->least = 1e-3 * unit;
+  m->longest = fmax(0.5 / m->damping, m->dt);
+  set_first_acceleration(m);
   return SDR_OK;
 }
 
@@ -84,7 +97,8 @@ static void set_springs(motion *m)
   m->w->equilibrium->factored = 0;
 }
 
-/* Of w->tried: velocities and accelerations, total force, kinetic energy and what damping takes. */
+/* Of w->tried: velocities and accelerations, total force, kinetic energy and what damping takes.
+   Prescribed components move in the first step only, without inertia. */
 static void look_ahead(motion *m, double *kinetic, double *drag)
 {
   const double dt = m->dt;
@@ -92,6 +106,7 @@ static void look_ahead(motion *m, double *kinetic, double *drag)
   *kinetic = *drag = 0.0;
   for (int32_t r = 0; r < m->w->implicit->unknowns; ++r) {
     const double way = m->w->tried[r] - m->w->u[r];
+    if (m->w->implicit->constraints.prescribed[r]) continue;
     m->v1[r] = 2.0 / dt * way - m->v[r];
     m->a1[r] = 4.0 / (dt * dt) * (way - dt * m->v[r]) - m->a[r];
     m->total[r] = mass[r] * (m->a1[r] + m->damping * m->v1[r]);
@@ -111,7 +126,6 @@ static void accept(motion *m, double kinetic, double drag)
   memcpy(m->v, m->v1, bytes);
   memcpy(m->a, m->a1, bytes);
   m->kinetic = kinetic;
-  m->most_kinetic = fmax(m->most_kinetic, kinetic);
 }
 
 /* One step; *done = 0 if none was short enough. */
@@ -131,12 +145,13 @@ static sdr_status one_step(motion *m, int *done)
       accept(m, kinetic, drag);
     else
       m->dt *= 0.5;
-    if (*done && report.steps <= 6) m->dt *= 1.5;
+    if (*done && report.steps <= 6) m->dt = fmin(1.5 * m->dt, m->longest);
   }
   return SDR_OK;
 }
 
-/* Is there an equilibrium next to where the body has come? */
+/* Is there an equilibrium next to where the body has come? What still separates it from there is
+   lost to damping too. */
 static sdr_status settle(motion *m, int *rested)
 {
   sdr_static_work *w = m->w;
@@ -146,24 +161,22 @@ static sdr_status settle(motion *m, int *rested)
   memcpy(w->tried, w->u, (size_t)w->implicit->unknowns * sizeof *w->u);
   SDR_TRY(w->method->solve(w->state, w->tried, &report));
   const double excess = report.converged ? sdr_static_excess(w, NULL) : (double)INFINITY;
-  *rested = fabs(excess) <= most_imbalance * w->largest;
+  *rested = m->kinetic + fabs(excess) <= near_rest * w->largest;
   if (!*rested) return SDR_OK;
   sdr_static_take(w, NULL, 0.0);
-  w->implicit->system->viscous += m->kinetic;
+  w->implicit->system->viscous += m->kinetic - excess;
   return SDR_OK;
 }
 
 static sdr_status run(motion *m, int *rested)
 {
   int done = 1;
-  double next_try = 0.1; /* of the most kinetic energy so far */
   *rested = 0;
-  for (int k = 0; k < MOST_STEPS && done && !*rested; ++k) {
+  for (int k = 0, next = 5; k < MOST_STEPS && done && !*rested; ++k) {
     SDR_TRY(one_step(m, &done));
-    if (!done || m->kinetic > next_try * m->most_kinetic) continue;
+    if (!done || k < next || m->kinetic > near_rest * m->w->largest) continue;
     SDR_TRY(settle(m, rested));
-    next_try *= 0.1;
-    if (!*rested && m->kinetic < at_rest * m->w->largest) return SDR_OK;
+    next = 2 * k;
   }
   return SDR_OK;
 }
