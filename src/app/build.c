@@ -178,7 +178,8 @@ static sdr_status choose_step(sdr_built *built)
     choose_longest(built);
     return SDR_OK;
   }
-  built->step = isnan(time->step) ? time->safety * built->stable_step : time->step;
+  const double share = built->integrator->is_explicit ? time->safety : built->integrator->reach;
+  built->step = isnan(time->step) ? share * built->stable_step : time->step;
   const double steps = ceil(time->end / built->step * (1.0 - 1e-12));
   if (!(steps < 1e15))
     return sdr_fail(SDR_BAD_INPUT,

@@ -20,8 +20,9 @@ static void read_steps(sdr_reading *rd, sdr_node *map)
 
 void sdr_read_time(sdr_reading *rd)
 {
-  static const char *const integrators[] = {"leapfrog", "static", "cvode", NULL};
-  static const char *const later[] = {"energy_momentum", "ida", NULL};
+  static const char *const integrators[] = {"leapfrog", "static", "cvode",
+                                            "energy_momentum", NULL};
+  static const char *const later[] = {"ida", NULL};
   sdr_reader *r = rd->reader;
   sdr_time_scene *time = &rd->scene->time;
   int integrator = 0;
@@ -37,6 +38,8 @@ void sdr_read_time(sdr_reading *rd)
     sdr_read_static(rd, map);
   else if (strcmp(time->integrator, "leapfrog") == 0)
     read_steps(rd, map);
+  else if (strcmp(time->integrator, "energy_momentum") == 0)
+    sdr_read_energy_momentum(rd, map);
   else
     sdr_read_adaptive(rd, map);
   sdr_read_done(r, map);

@@ -67,6 +67,7 @@ void sdr_read_static(sdr_reading *reading, sdr_node *map); /* static.c: the mapp
    adaptive.c */
 void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_allow_adaptive(sdr_reading *reading, sdr_node *map);
+void sdr_read_energy_momentum(sdr_reading *reading, sdr_node *map); /* midpoint.c: likewise */
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */
 void sdr_read_measures(sdr_reading *reading, sdr_node *output);

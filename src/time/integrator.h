@@ -21,8 +21,11 @@ typedef struct {
   int is_explicit; /* 1: steps above sdr_stable_step are unstable, every step is accepted */
   int chooses;     /* 1: how many steps a run takes is not known before its end */
   int is_static;   /* 1: nothing moves: no masses, no velocities */
+  double reach; /* of implicit ones with steps of one length: theirs over the explicit limit, if the
+                   scene leaves it to them */
 } sdr_integrator;
 
+extern const sdr_integrator sdr_energy_momentum;
 extern const sdr_integrator sdr_leapfrog, sdr_static, sdr_static_linear;
 extern const sdr_integrator sdr_cvode;
 
