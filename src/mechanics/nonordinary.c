@@ -234,7 +234,8 @@ static void destroy(sdr_model *model)
                           own->found_loose,
                           own->first,
                           own->member,
-                          own->torn};
+                          own->torn,
+                          own->space};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   sdr_free(own);
 }
@@ -265,6 +266,7 @@ static const sdr_model_ops ops = {.name = "nonordinary",
                                   .field = sdr_nonordinary_field,
                                   .visit_damage = sdr_state_visit_damage,
                                   .visit_hessian = sdr_nonordinary_visit_hessian,
+                                  .visit_secant = sdr_nonordinary_visit_secant,
                                   .mark = sdr_state_mark,
                                   .skip_rest = sdr_state_skip_rest,
                                   .traits = traits,

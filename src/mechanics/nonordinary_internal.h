@@ -37,7 +37,8 @@ typedef struct {
   /* Made when a tangent is first asked for. */
   int64_t *first; /* count + 1: the members of point i are first[i] .. first[i + 1] - 1 */
   sdr_member *member;
-  int most; /* members of the largest family */
+  int most;      /* members of the largest family */
+  double *space; /* for the families that tangent_times has at work, one a stripe */
 } sdr_nonordinary_model;
 
 /* What one evaluation is to do. */
@@ -87,7 +88,9 @@ sdr_status sdr_nonordinary_tangent_times(sdr_model *model, double *const u[3], d
                                          double *const out[3]);
 sdr_status sdr_nonordinary_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
 sdr_status sdr_nonordinary_visit_hessian(sdr_model *model, double *const u[3],
-                                         sdr_hessian_visitor visit, void *context);
+                                         sdr_hessian_visitor visitor, void *context);
+sdr_status sdr_nonordinary_visit_secant(sdr_model *model, double *const u[3],
+                                        sdr_hessian_visitor visitor, void *context);
 sdr_status sdr_nonordinary_field(sdr_model *model, double *const u[3], sdr_model_field which,
                                  double *out);
 

@@ -305,8 +305,9 @@ sdr_status sdr_nonordinary_tangent_times(sdr_model *model, double *const u[3], d
   sdr_nonordinary_model *own = (sdr_nonordinary_model *)model;
   const sdr_points *points = model->points;
   SDR_TRY(make_lists(own));
-  tangent_call call = {own, u, v, out, family_space(own, points->stripe_count)};
-  if (!call.space) return SDR_RUN_FAILED;
+  if (!own->space) own->space = family_space(own, points->stripe_count);
+  if (!own->space) return SDR_RUN_FAILED;
+  tangent_call call = {own, u, v, out, own->space};
   for (int a = 0; a < points->components; ++a)
     memset(out[a], 0, (size_t)points->count * sizeof(double));
   /* a point writes to its own stripe and both neighbours */
@@ -315,14 +316,29 @@ sdr_status sdr_nonordinary_tangent_times(sdr_model *model, double *const u[3], d
       sdr_parallel_for(colour, points->stripe_count, 3, tangent_of_stripe, &call);
   else
     for (int s = 0; s < points->stripe_count; ++s) tangent_of_stripe(&call, s);
-  sdr_free(call.space);
   return SDR_OK;
 }
 
 /* ---- dense blocks ---------------------------------------------------------------------------- */
 
+/* The stiffness of small strains in the reference shape, times (1-d)^2 at u. */
+static void set_secant(const sdr_nonordinary_model *model, int32_t i, family *at)
+{
+  const int n = at->n;
+  const sdr_moduli moduli = {model->reference_lambda[i], model->reference_mu[i], 0};
+  double minus[81];
+  at->finite = 0;
+  at->intact_slope = 0.0;
+  memset(at->gradient, 0, sizeof at->gradient);
+  memset(at->eta, 0, 3 * (size_t)at->count * sizeof *at->eta);
+  memset(at->s, 0, sizeof at->s);
+  memset(at->p_plus, 0, sizeof at->p_plus);
+  sdr_stress_tangent(n, SDR_LINEAR, SDR_SPLIT_WHOLE, &moduli, at->gradient, at->tangent, minus);
+  for (int k = 0; k < n * n * n * n; ++k) at->tangent[k] *= at->intact;
+}
+
 /* The Hessian of one family's energy by the displacements of the owner, then of the members. */
-static void block_of(const sdr_nonordinary_model *model, int32_t i, double *const u[3],
+static void block_of(const sdr_nonordinary_model *model, int32_t i, double *const u[3], int secant,
                      double *space, int32_t *point, double *block)
 {
   const size_t size = (size_t)model->most + 1;
@@ -330,6 +346,7 @@ static void block_of(const sdr_nonordinary_model *model, int32_t i, double *cons
   family at = family_at(model, space);
   load_family(model, i, u, &at);
   set_state(model, i, &at);
+  if (secant) set_secant(model, i, &at);
   const int n = at.n, wide = n * (at.count + 1);
   point[0] = i;
   for (int k = 0; k < at.count; ++k) point[k + 1] = at.member[k].j;
@@ -349,8 +366,8 @@ static void block_of(const sdr_nonordinary_model *model, int32_t i, double *cons
   }
 }
 
-sdr_status sdr_nonordinary_visit_hessian(sdr_model *model, double *const u[3],
-                                         sdr_hessian_visitor visit, void *context)
+static sdr_status visit(sdr_model *model, double *const u[3], int secant,
+                        sdr_hessian_visitor visitor, void *context)
 {
   sdr_nonordinary_model *own = (sdr_nonordinary_model *)model;
   SDR_TRY(make_lists(own));
@@ -361,13 +378,25 @@ sdr_status sdr_nonordinary_visit_hessian(sdr_model *model, double *const u[3],
   for (int32_t i = 0; !failed && i < model->points->count; ++i) {
     const int count = (int)(own->first[i + 1] - own->first[i]);
     if (count == 0) continue;
-    block_of(own, i, u, space, point, block);
-    visit(context, count + 1, point, block);
+    block_of(own, i, u, secant, space, point, block);
+    visitor(context, count + 1, point, block);
   }
   sdr_free(space);
   sdr_free(block);
   sdr_free(point);
   return failed ? SDR_RUN_FAILED : SDR_OK;
+}
+
+sdr_status sdr_nonordinary_visit_hessian(sdr_model *model, double *const u[3],
+                                         sdr_hessian_visitor visitor, void *context)
+{
+  return visit(model, u, 0, visitor, context);
+}
+
+sdr_status sdr_nonordinary_visit_secant(sdr_model *model, double *const u[3],
+                                        sdr_hessian_visitor visitor, void *context)
+{
+  return visit(model, u, 1, visitor, context);
 }
 
 typedef struct {

@@ -38,6 +38,8 @@ sdr_status sdr_ordinary_tangent_times(sdr_model *model, double *const u[3], doub
                                       double *const out[3]);
 sdr_status sdr_ordinary_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
 sdr_status sdr_ordinary_visit_hessian(sdr_model *model, double *const u[3],
-                                      sdr_hessian_visitor visit, void *context);
+                                      sdr_hessian_visitor visitor, void *context);
+sdr_status sdr_ordinary_visit_secant(sdr_model *model, double *const u[3],
+                                     sdr_hessian_visitor visitor, void *context);
 
 #endif

@@ -279,6 +279,7 @@ typedef struct {
 typedef struct {
   const sdr_ordinary *o;
   double *const *u;
+  int secant;   /* 1: damage stays, and forces do not turn */
   int64_t *row; /* count + 1: family of i is member[row[i]] .. member[row[i + 1] - 1] */
   int64_t *next;
   member *member; /* NULL: count only, into row[i + 1] */
@@ -351,7 +352,8 @@ static void add_to_element(const families *all, int32_t i, const curvature *of, 
   e->point[k + 1] = m->j;
   if (!(at.l > 0.0)) return;
   const double p = sdr_ordinary_p(o, &pair, m->weight), q = sdr_ordinary_q(o, &pair, m->weight);
-  const double turning = (p * o->along[i] + q * o->across[i] * at.s) / (at.l * pair.length);
+  const double pull = all->secant ? 0.0 : p * o->along[i] + q * o->across[i] * at.s;
+  const double turning = pull / (at.l * pair.length);
   const double stiff = q * o->across[i] / square - turning;
   const double d = of->shape * q * at.s + of->pull * p;
   const int near = n * (k + 1);
@@ -376,7 +378,8 @@ static void element_of_point(const families *all, int32_t i, element *e)
 {
   const int n = all->o->body.head.points->components;
   const int count = (int)(all->row[i + 1] - all->row[i]);
-  const curvature of = curvature_of(all->o, i);
+  curvature of = curvature_of(all->o, i);
+  if (all->secant) of.soft = 0.0;
   e->points = count + 1;
   e->size = n * e->points;
   const size_t size = (size_t)e->size;
@@ -415,16 +418,29 @@ static sdr_status visit_elements(const families *all, sdr_hessian_visitor visit,
   return failed ? SDR_RUN_FAILED : SDR_OK;
 }
 
-sdr_status sdr_ordinary_visit_hessian(sdr_model *model, double *const u[3],
-                                      sdr_hessian_visitor visit, void *context)
+static sdr_status visit(sdr_model *model, double *const u[3], int secant,
+                        sdr_hessian_visitor visitor, void *context)
 {
   sdr_ordinary *o = (sdr_ordinary *)model;
-  families all = {.o = o, .u = u};
+  families all = {.o = o, .u = u, .secant = secant};
   prepare(o, u);
   sdr_status status = gather(&all);
-  if (status == SDR_OK) status = visit_elements(&all, visit, context);
+  if (status == SDR_OK) status = visit_elements(&all, visitor, context);
   sdr_free(all.row);
   sdr_free(all.next);
   sdr_free(all.member);
   return status;
+}
+
+sdr_status sdr_ordinary_visit_hessian(sdr_model *model, double *const u[3],
+                                      sdr_hessian_visitor visitor, void *context)
+{
+  return visit(model, u, 0, visitor, context);
+}
+
+/* At fixed damage a point's energy is a sum of squares of its stretches. */
+sdr_status sdr_ordinary_visit_secant(sdr_model *model, double *const u[3],
+                                     sdr_hessian_visitor visitor, void *context)
+{
+  return visit(model, u, 1, visitor, context);
 }

@@ -19,7 +19,7 @@ typedef struct {
   const double *young;                  /* Pa, a point */
   const double *poisson;                /* a material index */
   const double *toughness;              /* J/m^2, a material index */
-  int precise;                          /* 1: histories in double, for implicit integrators */
+  int precise; /* for implicit integrators: no matter, histories are in double always */
 } sdr_state_based_how;
 
 /* A body over the points; it takes the bonds over (and destroys them, even if it fails). The

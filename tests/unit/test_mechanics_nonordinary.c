@@ -1,5 +1,7 @@
 /* The non-ordinary model against its equations written plainly: forces, energies, tangents, marks,
    storage, threads, and what it refuses. */
+#include "mechanics/nonordinary_internal.h"
+#include "support/elements.h"
 #include "support/nonordinary.h"
 
 typedef struct {
@@ -198,6 +200,32 @@ static void check_derivatives(const nonordinary_how *how)
   nonordinary_destroy(&b);
 }
 
+/* Families that have lost bonds, some with fading moduli. */
+static void torn_families_have_exact_slopes(void **state)
+{
+  (void)state;
+  for (int k = 1; k < FORMS; ++k) /* in 1-D the same strain would break all */
+    for (int law = 0; law < 3; ++law) {
+      const nonordinary_how how = how_of(k, law, SDR_LAW_CRITICAL_STRETCH);
+      nonordinary b = nonordinary_create(&how);
+      const sdr_nonordinary_model *model = (const sdr_nonordinary_model *)b.shape.model;
+      double *u[3], faded = 1.0;
+      vector_create(b.shape.points, u);
+      for (uint64_t seed = 3; seed < 40 && faded >= 1.0; ++seed) {
+        deform(&b, 0.02 * (double)seed, 0.0, seed, u);
+        b.shape.model->ops->commit(b.shape.model, u);
+        for (int32_t i = 0; i < b.shape.points->count; ++i)
+          faded = fmin(faded, model->mu[i] / model->whole_mu[i]);
+      }
+      assert_true(faded < 1.0);
+      deform(&b, 0.03, 0.0, 4, u);
+      compare_with_slope(&b, u);
+      compare_tangent(&b, u);
+      vector_destroy(u);
+      nonordinary_destroy(&b);
+    }
+}
+
 static void force_and_tangent_are_slopes_of_the_energy(void **state)
 {
   (void)state;
@@ -259,6 +287,23 @@ static void parts_of_the_hessian_make_the_tangent(void **state)
     const nonordinary_how how = how_of(k, 1 + k % 2, SDR_LAW_VARIATIONAL);
     check_hessian(&how);
   }
+}
+
+static void the_secant_is_positive_and_the_tangent_at_rest(void **state)
+{
+  (void)state;
+  for (int k = 0; k < FORMS; ++k)
+    for (int law = 0; law < 3; ++law) {
+      nonordinary_how how = how_of(k, law, SDR_LAW_VARIATIONAL);
+      how.split = SDR_SPLIT_DILATATION;
+      nonordinary b = nonordinary_create(&how);
+      double *u[3];
+      vector_create(b.shape.points, u);
+      deform(&b, 0.06, 0.0, 3, u);
+      elements_check_secant(b.shape.points, b.shape.model, u);
+      vector_destroy(u);
+      nonordinary_destroy(&b);
+    }
 }
 
 /* The tangent for the stable step is the exact one of the body at rest. */
@@ -457,8 +502,10 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(kernels_do_what_the_equations_say),
+      cmocka_unit_test(torn_families_have_exact_slopes),
       cmocka_unit_test(force_and_tangent_are_slopes_of_the_energy),
       cmocka_unit_test(parts_of_the_hessian_make_the_tangent),
+      cmocka_unit_test(the_secant_is_positive_and_the_tangent_at_rest),
       cmocka_unit_test(reference_tangent_is_that_of_the_body_at_rest),
       cmocka_unit_test(loose_pairs_and_runs_give_the_same_forces_to_1e_13),
       cmocka_unit_test(threads_and_skipped_rest_change_no_bit),

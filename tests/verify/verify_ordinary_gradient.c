@@ -2,6 +2,7 @@
    its diagonal and its elements the gradient of the force: for every law, dimension, form and form
    of storage. Differences are taken away from the kinks theta = 0 and plus = history, where the
    energy has no second derivative. */
+#include "support/elements.h"
 #include "support/ordinary.h"
 
 static const ordinary_how shapes[] = {
@@ -93,26 +94,6 @@ static void force_slope(const body *b, double *const u[3], int a, int32_t i, dou
   vector_destroy(f);
 }
 
-/* The sum of all elements, times v. */
-typedef struct {
-  int components;
-  double *const *v, *const *out;
-  double asymmetry, largest;
-} elements;
-
-static void add_element(void *context, int count, const int32_t *point, const double *block)
-{
-  elements *all = context;
-  const int n = all->components, size = n * count;
-  for (int r = 0; r < size; ++r)
-    for (int c = 0; c < size; ++c) {
-      const double value = block[r * size + c];
-      all->out[r % n][point[r / n]] += value * all->v[c % n][point[c / n]];
-      all->asymmetry = fmax(all->asymmetry, fabs(value - block[c * size + r]));
-      all->largest = fmax(all->largest, fabs(value));
-    }
-}
-
 static void check_elements(const body *b, double *const u[3])
 {
   double *v[3], *right[3], *out[3];
@@ -122,7 +103,7 @@ static void check_elements(const body *b, double *const u[3])
   vector_noise(b->points, 1.0, 12, v);
   assert_int_equal(b->model->ops->tangent_times(b->model, u, v, right), SDR_OK);
   elements all = {b->points->components, v, out, 0.0, 0.0};
-  assert_int_equal(b->model->ops->visit_hessian(b->model, u, add_element, &all), SDR_OK);
+  assert_int_equal(b->model->ops->visit_hessian(b->model, u, elements_add, &all), SDR_OK);
   assert_at_most(vector_difference(b->points, right, out),
                  1e-12 * vector_largest(b->points, right));
   assert_at_most(all.asymmetry, 1e-13 * all.largest);
@@ -256,6 +237,22 @@ static void the_reference_tangent_is_the_tangent_of_the_undeformed_body(void **s
     }
 }
 
+static void the_secant_is_positive_and_the_tangent_at_rest(void **state)
+{
+  (void)state;
+  for (int k = 0; k < SHAPES; ++k) {
+    ordinary_how how = shapes[k];
+    how.body.law = SDR_LAW_VARIATIONAL;
+    body b = ordinary_create(&how);
+    double *u[3];
+    vector_create(b.points, u);
+    stretched(&b, 2.0, 3, u);
+    elements_check_secant(b.points, b.model, u);
+    vector_destroy(u);
+    body_destroy(&b);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -266,6 +263,7 @@ int main(void)
       cmocka_unit_test(tangent_is_the_gradient_of_the_force_on_unloading),
       cmocka_unit_test(tangent_is_the_gradient_of_the_force_in_compression),
       cmocka_unit_test(the_reference_tangent_is_the_tangent_of_the_undeformed_body),
+      cmocka_unit_test(the_secant_is_positive_and_the_tangent_at_rest),
   };
   sdr_set_threads(1);
   return cmocka_run_group_tests(tests, NULL, NULL);
