@@ -326,7 +326,8 @@ typedef struct {
 /* Velocity of point i at the system's time. */
 static void velocity_now(const sdr_system *system, int32_t i, double v[3])
 {
-  const double back = system->velocity_offset / system->mass[i];
+  const double back =
+      system->velocity_offset != 0.0 ? system->velocity_offset / system->mass[i] : 0.0;
   for (int a = 0; a < system->components; ++a) v[a] = system->v[a][i] - back * system->f[a][i];
 }
 
@@ -435,7 +436,7 @@ static void vector_at(const sdr_system *system, char first, int32_t i, double va
   for (int a = 0; a < system->components; ++a) {
     if (first == 'd') value[a] = system->u[a][i];
     if (first == 'f') value[a] = system->f[a][i];
-    if (first == 'a') value[a] = system->f[a][i] / system->mass[i];
+    if (first == 'a') value[a] = system->mass[i] > 0.0 ? system->f[a][i] / system->mass[i] : 0.0;
   }
 }
 

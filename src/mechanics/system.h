@@ -37,6 +37,7 @@ typedef struct {
   int64_t unknowns; /* of the linear system */
   int order;        /* of the last step */
   double last_step; /* s */
+  double residual;  /* ida: the largest share of the forces that a step left unbalanced */
 } sdr_method_record;
 
 typedef struct {

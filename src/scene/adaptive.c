@@ -55,3 +55,17 @@ void sdr_read_adaptive(sdr_reading *rd, sdr_node *map)
   sdr_read_allow(r, map, "safety");
   sdr_read_allow(r, map, "allow_unstable");
 }
+
+void sdr_check_masses(sdr_reading *rd)
+{
+  const sdr_scene *scene = rd->scene;
+  const char *integrator = scene->time.integrator;
+  if (strcmp(integrator, "ida") == 0 || strcmp(integrator, "static") == 0) return;
+  for (int m = 0; m < scene->material_count; ++m)
+    if (scene->material[m].density == 0.0)
+      sdr_read_error(
+          rd->reader, scene->material[m].origin,
+          "a density of 0 leaves points without mass, which only the integrators ida and "
+          "static can move; the integrator here is %s",
+          integrator);
+}

@@ -127,12 +127,13 @@ static void read_material(sdr_reading *rd, sdr_node *map, sdr_material *material
   const int first = material == rd->scene->material;
   material->poisson = NAN;
   material->toughness = INFINITY;
+  material->density = NAN;
   material->origin = map->key ? map->key_origin : map->origin;
   read_model_word(rd, map, first);
   read_options(rd, map, first);
   sdr_read_number(r, map, "young", SDR_ABOVE_ZERO(SDR_STRESS), NULL, &material->young);
   read_poisson(rd, map, material);
-  sdr_read_number(r, map, "density", SDR_ABOVE_ZERO(((sdr_unit){-3, 1, 0, 0})), NULL,
+  sdr_read_number(r, map, "density", (sdr_quantity){{-3, 1, 0, 0}, 0, INFINITY, 0, 0}, NULL,
                   &material->density);
   sdr_read_number(r, map, "toughness", SDR_ABOVE_ZERO(((sdr_unit){0, 1, -2, 0})),
                   rd->scene->damage.law == SDR_LAW_NONE ? SDR_OPTIONAL : NULL,

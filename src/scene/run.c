@@ -20,9 +20,8 @@ static void read_steps(sdr_reading *rd, sdr_node *map)
 
 void sdr_read_time(sdr_reading *rd)
 {
-  static const char *const integrators[] = {"leapfrog", "static", "cvode",
-                                            "energy_momentum", NULL};
-  static const char *const later[] = {"ida", NULL};
+  static const char *const integrators[] = {"leapfrog", "static",          "cvode",
+                                            "ida",      "energy_momentum", NULL};
   sdr_reader *r = rd->reader;
   sdr_time_scene *time = &rd->scene->time;
   int integrator = 0;
@@ -30,8 +29,10 @@ void sdr_read_time(sdr_reading *rd)
   sdr_node *map = sdr_read_map(r, rd->root, "time", NULL);
   if (!map) return;
   time->origin = map->key_origin;
-  sdr_read_word(r, map, "integrator", integrators, later, "leapfrog", &integrator);
+  sdr_read_word(r, map, "integrator", integrators, NULL, "leapfrog", &integrator);
   snprintf(time->integrator, sizeof time->integrator, "%s", integrators[integrator]);
+  sdr_check_masses(rd);
+  sdr_check_masses(rd);
   const sdr_node *step = sdr_node_find(map, "step");
   time->step_origin = step ? step->origin : map->origin;
   if (strcmp(time->integrator, "static") == 0)

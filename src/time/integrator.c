@@ -2,9 +2,8 @@
 
 #include <string.h>
 
-static const sdr_integrator *const integrators[] = {&sdr_leapfrog, &sdr_static,
-                                                     &sdr_static_linear, &sdr_energy_momentum,
-                                                     &sdr_cvode};
+static const sdr_integrator *const integrators[] = {
+    &sdr_leapfrog, &sdr_static, &sdr_static_linear, &sdr_energy_momentum, &sdr_cvode, &sdr_ida};
 
 const sdr_integrator *sdr_integrator_find(const char *name)
 {

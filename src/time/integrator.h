@@ -27,7 +27,7 @@ typedef struct {
 
 extern const sdr_integrator sdr_energy_momentum;
 extern const sdr_integrator sdr_leapfrog, sdr_static, sdr_static_linear;
-extern const sdr_integrator sdr_cvode;
+extern const sdr_integrator sdr_cvode, sdr_ida;
 
 /* The integrator of that name; NULL: none. */
 const sdr_integrator *sdr_integrator_find(const char *name);

@@ -34,6 +34,12 @@ void sdr_motion_take(const sdr_motion *motion, double *q, double *w);
 /* Bring loads and a to time t, and the system's u to a + B q. */
 sdr_status sdr_motion_place(sdr_motion *motion, double t, const double *q);
 
+/* 1 if entry k of the supports' list acts in this stretch; where it wants its component to be at
+   time t (m), how fast (m/s), and how fast that changes (m/s^2). */
+int sdr_motion_prescribes(const sdr_motion *motion, int32_t k);
+sdr_status sdr_motion_prescribed(sdr_motion *motion, double t, int32_t k, double *position,
+                                 double *rate, double *bend);
+
 /* g = P^T f + loads, with the model's force f at the system's u; N. The system's f holds what the
    points feel of the model then, layers' forces handed on. Changes no history. */
 void sdr_motion_force(sdr_motion *motion, double *g);

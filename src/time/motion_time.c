@@ -137,3 +137,19 @@ sdr_status sdr_motion_stand(sdr_motion *m, double t)
   m->at = t;
   return SDR_OK;
 }
+
+int sdr_motion_prescribes(const sdr_motion *motion, int32_t k)
+{
+  return !isnan(motion->position[k]);
+}
+
+sdr_status sdr_motion_prescribed(sdr_motion *motion, double t, int32_t k, double *position,
+                                 double *rate, double *bend)
+{
+  SDR_TRY(sdr_motion_stand(motion, t));
+  SDR_TRY(sdr_motion_find_rates(motion, t));
+  *position = motion->position[k];
+  *rate = motion->rate[k];
+  *bend = motion->bend[k];
+  return SDR_OK;
+}

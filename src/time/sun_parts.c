@@ -86,6 +86,19 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
   return result > 0 ? SUNLS_CONV_FAIL : SUNLS_PACKAGE_FAIL_UNREC;
 }
 
+/* IDA wants both of a solver that iterates; of one that says 0 it would take the residual as x. */
+static int solver_iterations(SUNLinearSolver solver)
+{
+  (void)solver;
+  return 1;
+}
+
+static N_Vector solver_residual(SUNLinearSolver solver)
+{
+  (void)solver;
+  return NULL;
+}
+
 static int solver_free(SUNLinearSolver solver)
 {
   sdr_free(solver->content);
@@ -110,6 +123,8 @@ void *sdr_sun_solver_create(void *sun_context, int iterates, sdr_sun_solve solve
   solver->ops->setscalingvectors = solver_weights;
   solver->ops->setup = solver_setup;
   solver->ops->solve = solver_solve;
+  solver->ops->numiters = solver_iterations;
+  solver->ops->resid = solver_residual;
   solver->ops->free = solver_free;
   return solver;
 }
