@@ -32,7 +32,6 @@ void sdr_read_time(sdr_reading *rd)
   sdr_read_word(r, map, "integrator", integrators, NULL, "leapfrog", &integrator);
   snprintf(time->integrator, sizeof time->integrator, "%s", integrators[integrator]);
   sdr_check_masses(rd);
-  sdr_check_masses(rd);
   const sdr_node *step = sdr_node_find(map, "step");
   time->step_origin = step ? step->origin : map->origin;
   if (strcmp(time->integrator, "static") == 0)

@@ -68,7 +68,6 @@ void sdr_read_static(sdr_reading *reading, sdr_node *map); /* static.c: the mapp
 void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_allow_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_check_masses(sdr_reading *reading); /* refuse points without mass where they cannot move */
-void sdr_check_masses(sdr_reading *reading); /* refuse points without mass where they cannot move */
 void sdr_read_energy_momentum(sdr_reading *reading, sdr_node *map); /* midpoint.c: likewise */
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */

@@ -145,19 +145,8 @@ static int has_masses(const sdr_system *system)
   return 1;
 }
 
-static int has_masses(const sdr_system *system)
-{
-  for (int32_t i = 0; i < system->count; ++i)
-    if (sdr_in_body(system->model->points, i) && !(system->mass[i] > 0.0)) return 0;
-  return 1;
-}
-
 sdr_status sdr_stable_step(sdr_system *system, double *limit)
 {
-  if (!has_masses(system)) {
-    *limit = (double)NAN;
-    return SDR_OK;
-  }
   if (!has_masses(system)) {
     *limit = (double)NAN;
     return SDR_OK;
