@@ -262,8 +262,11 @@ static sdr_status check_kind(const sdr_model *model, sdr_tangent_kind kind)
 /* Part k joins these points. */
 static int is_part(const assembly *a, int64_t k, int count, const int32_t *point)
 {
-  return k < a->count && a->first[k + 1] - a->first[k] == count &&
-         memcmp(a->point + a->first[k], point, (size_t)count * sizeof *point) == 0;
+  if (k >= a->count || a->first[k + 1] - a->first[k] != count) return 0;
+  const int32_t *own = a->point + a->first[k];
+  int same = 1;
+  for (int p = 0; p < count; ++p) same &= own[p] == point[p];
+  return same;
 }
 
 /* A model may leave out what has been lost since: the part is looked for a little further on. -1 if

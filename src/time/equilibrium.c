@@ -104,8 +104,10 @@ double sdr_equilibrium_gradient(sdr_equilibrium *e, const double *u, double *gra
   for (int32_t r = 0; r < implicit->unknowns; ++r) {
     e->wide[r] = -e->internal[r] - implicit->load[r];
     if (e->pull) e->wide[r] += e->pull[r] * (u[r] - e->target[r]);
-    most = fmax(most, fabs(u[r]));
+    if (fabs(u[r]) > most) most = fabs(u[r]);
   }
+  /* each force is known to some DBL_EPSILON of its largest terms, stiffness times displacement */
+  e->rounding = 4.0 * DBL_EPSILON * most * e->stiffest * sqrt((double)implicit->unknowns);
   sdr_constraints_project(&implicit->constraints, e->wide, gradient);
   e->scale = sqrt(outside_squared(e));
   e->largest = fmax(e->largest, e->scale);
@@ -119,21 +121,6 @@ double sdr_equilibrium_tolerance(const sdr_equilibrium *e)
 
 /* ---- matrices -------------------------------------------------------------------------------- */
 
-/* What rounding of displacements of the size of u makes of forces: each entry of K u is known to
-   some DBL_EPSILON of its largest terms. */
-static void find_rounding(sdr_equilibrium *e, const double *u)
-{
-  const sdr_csr *k = e->matrix;
-  double most = 0.0, sum = 0.0;
-  for (int32_t r = 0; r < k->rows; ++r) most = fmax(most, fabs(u[r]));
-  for (int32_t r = 0; r < k->rows; ++r) {
-    double largest = 0.0;
-    for (int64_t p = k->row[r]; p < k->row[r + 1]; ++p) largest = fmax(largest, fabs(k->value[p]));
-    sum += largest * largest;
-  }
-  e->rounding = 4.0 * DBL_EPSILON * most * sqrt(sum);
-}
-
 sdr_status sdr_equilibrium_linearise(sdr_equilibrium *e, const double *u, int secant)
 {
   sdr_system *system = e->implicit->system;
@@ -141,7 +128,6 @@ sdr_status sdr_equilibrium_linearise(sdr_equilibrium *e, const double *u, int se
   sdr_implicit_scatter(e->implicit, u, system->u);
   SDR_TRY(sdr_tangent_update(tangent, NULL, system->u));
   e->matrix = sdr_tangent_matrix(tangent);
-  find_rounding(e, u);
   return SDR_OK;
 }
 
@@ -162,7 +148,7 @@ static void set_shift(sdr_equilibrium *e)
   double most = 0.0;
   for (int32_t r = 0; r < k->rows; ++r)
     for (int64_t p = k->row[r]; p < k->row[r + 1]; ++p)
-      if (k->column[p] == r) most = fmax(most, k->value[p]);
+      if (k->column[p] == r && k->value[p] > most) most = k->value[p];
   e->stiffest = fmax(e->stiffest, most);
   for (int32_t r = 0; r < k->rows; ++r)
     e->wide[r] = 1e-9 * e->stiffest + (e->pull ? e->pull[r] : 0.0);

@@ -90,10 +90,10 @@ static sdr_status renew_factor(sdr_newton *n, const double *u)
   return SDR_OK;
 }
 
-/* A factor is stale when the products that it costs have taken about half as long as another. */
+/* A factor is stale when the products that it costs have taken about a quarter as long as another. */
 static int is_stale(const sdr_newton *n)
 {
-  const double most = n->solve_seconds > 0.0 ? 0.5 * n->factor_seconds / n->solve_seconds : 10.0;
+  const double most = n->solve_seconds > 0.0 ? 0.25 * n->factor_seconds / n->solve_seconds : 10.0;
   return (double)n->iterations > fmin(fmax(most, 8.0), 150.0);
 }
 
@@ -161,17 +161,19 @@ static int slope_has_fallen(sdr_newton *n, double slope)
   return fabs(sdr_equilibrium_dot(n->e, n->tried_gradient, n->step)) <= 0.8 * fabs(slope);
 }
 
-/* Move u along the step; 0 if nowhere on it the energy is less. */
-static int search(sdr_newton *n, double *u)
+/* Move u, whose energy is *energy (terms of *size), along the step; 0 if nowhere on it the energy
+   is less. */
+static int search(sdr_newton *n, double *u, double *energy, double *size)
 {
   sdr_equilibrium *e = n->e;
   const double slope = sdr_equilibrium_dot(e, n->gradient, n->step);
-  double size, alpha = 1.0;
-  const double start = sdr_equilibrium_energy(e, u, &size), noise = 1e-13 * size;
+  const double start = *energy, noise = 1e-13 * *size;
+  double alpha = 1.0;
   if (!(slope < 0.0)) return 0;
   for (int k = 0; k < MOST_HALVINGS; ++k) {
     go_along(n, alpha);
-    const double change = sdr_equilibrium_energy(e, n->tried, &size) - start;
+    *energy = sdr_equilibrium_energy(e, n->tried, size);
+    const double change = *energy - start;
     const int falls = change <= 1e-4 * alpha * slope && fabs(change) > noise;
     if (falls || (fabs(change) <= noise && slope_has_fallen(n, slope))) {
       memcpy(u, n->tried, (size_t)e->implicit->unknowns * sizeof *u);
@@ -191,7 +193,8 @@ static void take_free(const sdr_implicit *implicit, const double *u, double *q)
 sdr_status sdr_newton_solve(sdr_newton *newton, double *u, sdr_newton_report *report)
 {
   sdr_equilibrium *e = newton->e;
-  double first = 0.0;
+  double first = 0.0, size;
+  double energy = sdr_equilibrium_energy(e, u, &size);
   *report = (sdr_newton_report){0};
   for (int k = 0; k <= MOST_STEPS; ++k) {
     int curved;
@@ -207,7 +210,7 @@ sdr_status sdr_newton_solve(sdr_newton *newton, double *u, sdr_newton_report *re
     report->curved += curved;
     ++report->steps;
     ++e->implicit->system->solve.newton;
-    if (!search(newton, u)) return SDR_OK;
+    if (!search(newton, u, &energy, &size)) return SDR_OK;
   }
   return SDR_OK;
 }
