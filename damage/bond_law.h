@@ -28,6 +28,8 @@
 #define SDR_COHESIVE_MU 1.25
 #define SDR_COHESIVE_B1 ((1.0 - SDR_COHESIVE_GAMMA) / (SDR_COHESIVE_MU - 1.0))
 #define SDR_COHESIVE_A1 (1.0 + SDR_COHESIVE_B1)
+/* Least a = (s_c/s_e)^2: there x_f = mu, and the second slope is a drop. */
+#define SDR_COHESIVE_LEAST (SDR_COHESIVE_MU + SDR_COHESIVE_GAMMA * (SDR_COHESIVE_MU - 1.0))
 
 /* What the history k >= 0 has left. */
 typedef struct {

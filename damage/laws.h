@@ -7,6 +7,7 @@
                        stored 1/2 C |xi| (1-d)^2 s^2 (s > 0), dissipated 1/2 C |xi| q d^2;
                        q = s0^2 delta/ell: a separated surface takes Gc delta/ell
      critical_stretch  lost for good once s > sqrt(q), q = s0^2; its energy is dissipated then
+     at1, cohesive     damage/bond_law.h
 
    Valid for any s > -1; l = 0 has no direction and no force. Source: 002 sec. 2.1 made consistent,
    000 eq. 37. */
@@ -21,10 +22,28 @@
 #define SDR_LAWS(X)                                                                                \
   X(none, SDR_LAW_NONE)                                                                            \
   X(variational, SDR_LAW_VARIATIONAL)                                                              \
+  X(critical_stretch, SDR_LAW_CRITICAL_STRETCH)                                                    \
+  X(at1, SDR_LAW_AT1)                                                                              \
+  X(cohesive, SDR_LAW_COHESIVE)
+
+/* Those with float kernels (precision: mixed). */
+#define SDR_MIXED_LAWS(X) SDR_STATE_LAWS(X)
+
+/* Those of state-based bodies. */
+#define SDR_STATE_LAWS(X)                                                                          \
+  X(none, SDR_LAW_NONE)                                                                            \
+  X(variational, SDR_LAW_VARIATIONAL)                                                              \
   X(critical_stretch, SDR_LAW_CRITICAL_STRETCH)
 
 #define SDR_COUNT_LAW(name, code) +1
 enum { SDR_LAW_COUNT = 0 SDR_LAWS(SDR_COUNT_LAW) };
+
+#define SDR_LAW_NAME(name, code) [code] = #name,
+/* Their names in scenes, by enumerator; NULL at the end. */
+#define SDR_LAW_NAMES                                                                              \
+  {                                                                                                \
+    SDR_LAWS(SDR_LAW_NAME) NULL                                                                    \
+  }
 
 /* Instead of a largest stretch: a pair cut at the start carries nothing, a protected one never
    softens. */

@@ -85,7 +85,7 @@ typedef struct {
   const sdr_points *points;
   const sdr_families *families;
   const double *young; /* Pa, a point */
-  double poisson[256], toughness[256];
+  double poisson[256], toughness[256], strength[256];
 } parts;
 
 static int is_implicit(const sdr_scene *scene)
@@ -103,8 +103,13 @@ static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **
                                   .mixed = p->scene->mixed,
                                   .precise = is_implicit(p->scene),
                                   .young = p->young,
-                                  .toughness = p->toughness};
-  return sdr_bond_based_create(p->points, bonds, p->families, &how, out);
+                                  .toughness = p->toughness,
+                                  .strength = p->strength};
+  const sdr_status status = sdr_bond_based_create(p->points, bonds, p->families, &how, out);
+  if (status != SDR_BAD_INPUT) return status;
+  /* It knows no scene, and refuses horizons only. */
+  return sdr_fail(SDR_BAD_INPUT, "%s: %s", sdr_origin_text(p->scene->horizon_origin),
+                  sdr_error_message());
 }
 
 static sdr_state_based_how state_based_how(const parts *p)
@@ -151,6 +156,7 @@ sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
   for (int m = 0; m < scene->material_count; ++m) {
     const sdr_material *material = &scene->material[m];
     p.toughness[m] = material->toughness;
+    p.strength[m] = material->strength;
     p.poisson[m] = isnan(material->poisson) ? 0.0 : material->poisson; /* a bar has no use for it */
   }
   double *young = sdr_alloc(sdr_points_padded(points), sizeof *young);

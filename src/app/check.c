@@ -6,13 +6,14 @@
 #include "app/run_equation.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "damage/laws.h"
 #include "output/ledger.h"
 #include "output/measures.h"
 
 #include <math.h>
 
 static const char *const dimension_names[] = {"1d", "plane_stress", "plane_strain", "3d"};
-static const char *const law_names[] = {"none", "variational", "critical_stretch"};
+static const char *const law_names[] = SDR_LAW_NAMES;
 
 static void print_points(const sdr_built *built, FILE *out)
 {

@@ -1,7 +1,9 @@
 #include "app/check_material.h"
 
 #include "app/constants.h"
+#include "damage/bond_law.h"
 #include "damage/calibration.h"
+#include "damage/strength.h"
 
 #include <math.h>
 
@@ -37,6 +39,45 @@ static void print_stiffness(const sdr_built *built, const sdr_family *family,
   fprintf(out, " of the isotropic body\n");
 }
 
+/* Strength in uniaxial tension of a homogeneous body, over directions in the plane of the lattice's
+   first two axes. */
+static sdr_status print_strength(const sdr_built *built, const sdr_family *family,
+                                 const sdr_strength_law *law, double unit, FILE *out)
+{
+  const sdr_points *points = built->points;
+  const char *separator = "";
+  fprintf(out, "  strength          ");
+  for (int degree = 0; degree <= (points->components == 1 ? 0 : 45); degree += 15) {
+    const double angle = degree * 3.14159265358979323846 / 180.0;
+    double n[3], stress, strain;
+    for (int a = 0; a < 3; ++a)
+      n[a] = cos(angle) * points->axes[0][a] + sin(angle) * points->axes[1][a];
+    SDR_TRY(sdr_strength_along(built->families, family, law, n, &stress, &strain));
+    fprintf(out, "%s%.4g MPa (%.3f E %s)", separator, stress * 1e-6, stress / unit,
+            law->law == SDR_LAW_COHESIVE ? "s_e" : "s_c");
+    separator = ", ";
+  }
+  fprintf(out, "%s\n", points->components == 1 ? "" : " at 0, 15, 30, 45 degrees to the lattice");
+  return SDR_OK;
+}
+
+/* Constants of `cohesive` and its strength; q is s0^2. */
+static sdr_status print_cohesive(const sdr_built *built, const sdr_family *family,
+                                 const sdr_material *material, double c, double q, FILE *out)
+{
+  sdr_strength_law law = {.law = SDR_LAW_COHESIVE, .c = c};
+  double beta;
+  SDR_TRY(sdr_cohesive_beta(built->families, family, c, material->young, &beta));
+  SDR_TRY(sdr_cohesive_constants(family->horizon, material->young, q, material->strength, beta,
+                                 &law.q, &law.r));
+  const double a = q / (law.q * law.q);
+  fprintf(out, "  stretches         yields at s_e %.4g (beta %.4f), lost at %.4g, a = %.4g\n",
+          law.q, beta, law.q * (SDR_COHESIVE_MU + SDR_COHESIVE_GAMMA / law.r), a);
+  fprintf(out, "  largest horizon   %.4g mm for this strength and toughness\n",
+          family->horizon * a / SDR_COHESIVE_LEAST * 1e3);
+  return print_strength(built, family, &law, material->young * law.q, out);
+}
+
 /* Energy of a plane cut over directions in x-y. */
 static sdr_status print_separation(const sdr_built *built, const sdr_family *family,
                                    const sdr_material *material, FILE *out)
@@ -48,7 +89,8 @@ static sdr_status print_separation(const sdr_built *built, const sdr_family *fam
   double q = sdr_critical_stretch_squared(scene->dimension, scene->calibration, family,
                                           material->young, material->toughness);
   double share = 1.0;
-  if (damage->law == SDR_LAW_VARIATIONAL)
+  const int has_ell = damage->law == SDR_LAW_VARIATIONAL || damage->law == SDR_LAW_AT1;
+  if (has_ell)
     share = damage->ell.relative ? 1.0 / damage->ell.value : family->horizon / damage->ell.value;
   q *= share;
   double least = INFINITY, most = 0.0;
@@ -60,11 +102,14 @@ static sdr_status print_separation(const sdr_built *built, const sdr_family *fam
     least = fmin(least, energy);
     most = fmax(most, energy);
   }
-  fprintf(out, "  %-17s %.4g\n", damage->law == SDR_LAW_VARIATIONAL ? "stretch s_c" : "stretch s0",
-          sqrt(q));
+  fprintf(out, "  %-17s %.4g\n",
+          damage->law == SDR_LAW_CRITICAL_STRETCH ? "stretch s0" : "stretch s_c", sqrt(q));
   fprintf(out, "  separation        %.5g J/m^2 = toughness x %.4g; over directions %.5g to %.5g\n",
           material->toughness * share, share, least, most);
-  return SDR_OK;
+  if (damage->law == SDR_LAW_COHESIVE) return print_cohesive(built, family, material, c, q, out);
+  if (!has_ell) return SDR_OK;
+  const sdr_strength_law law = {(int)damage->law, c, q, 1.0};
+  return print_strength(built, family, &law, material->young * sqrt(q), out);
 }
 
 static sdr_status print_bond_based(const sdr_built *built, const sdr_material *material, FILE *out)

@@ -284,43 +284,6 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .state = state,
                                   .destroy = destroy};
 
-/* C and q of point i. */
-static void constants_of(const sdr_points *points, const sdr_families *families,
-                         const sdr_bond_based_how *how, int32_t i, double *c, double *q)
-{
-  const sdr_family *family = sdr_family_of(families, i);
-  *c = sdr_micromodulus(how->dimension, how->calibration, family, how->young[i]);
-  *q = 1.0;
-  if (how->law == SDR_LAW_NONE) return;
-  *q = sdr_critical_stretch_squared(how->dimension, how->calibration, family, how->young[i],
-                                    how->toughness[points->material[i]]);
-  if (how->law != SDR_LAW_VARIATIONAL) return;
-  const double ell = how->ell.relative ? how->ell.value * points->horizon[i] : how->ell.value;
-  *q *= points->horizon[i] / ell;
-}
-
-static sdr_status set_constants(sdr_bond_body *body, const sdr_families *families,
-                                const sdr_bond_based_how *how)
-{
-  const sdr_points *points = body->points;
-  constants_of(points, families, how, 0, &body->stiffness, &body->threshold);
-  int shared = 1;
-  for (int32_t i = 1; i < points->count && shared; ++i) {
-    double c, q;
-    constants_of(points, families, how, i, &c, &q);
-    shared = c == body->stiffness && q == body->threshold;
-  }
-  if (shared) return SDR_OK;
-  body->stiffness_at = sdr_alloc(sdr_points_padded(points), sizeof(double));
-  body->threshold_at = sdr_alloc(sdr_points_padded(points), sizeof(double));
-  if (!body->stiffness_at || !body->threshold_at) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < points->count; ++i)
-    constants_of(points, families, how, i, &body->stiffness_at[i], &body->threshold_at[i]);
-  for (size_t i = (size_t)points->count; i < sdr_points_padded(points); ++i)
-    body->threshold_at[i] = 1.0; /* padding is divided by */
-  return SDR_OK;
-}
-
 /* `count` numbers if there are any. */
 static sdr_status alloc_some(size_t count, size_t size, void **out)
 {
@@ -392,14 +355,15 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   model->precise = sdr_precise_kernels_best();
   model->body =
       (sdr_bond_body){.points = points, .bonds = bonds, .law = how->law, .precise = how->precise};
-  sdr_status status = set_constants(&model->body, families, how);
+  sdr_status status = sdr_bond_set_constants(&model->body, families, how);
   model->moved = sdr_alloc((size_t)points->stripe_count, 1);
   if (!model->moved)
     status = SDR_RUN_FAILED;
   else if (how->precise) /* implicit steps reach all of the body at once */
     memset(model->moved, 1, (size_t)points->stripe_count);
   if (status == SDR_OK) status = alloc_history(model);
-  if (status == SDR_OK && how->mixed && !how->precise && bonds->run_count > 0)
+  if (status == SDR_OK && how->mixed && !how->precise && bonds->run_count > 0 &&
+      model->kernels->mixed_run_force[how->law][0][0])
     status = set_mixed(&model->body);
   if (status != SDR_OK) {
     destroy(&model->head);

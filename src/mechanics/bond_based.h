@@ -11,9 +11,10 @@ typedef struct {
   sdr_dimension dimension;
   sdr_law law;
   sdr_calibration_kind calibration;
-  sdr_length ell;          /* variational: relative to the point's horizon, or m */
+  sdr_length ell;          /* variational, at1: relative to the point's horizon, or m */
   const double *young;     /* Pa, a point */
   const double *toughness; /* J/m^2, a material index */
+  const double *strength;  /* Pa, a material index; for cohesive, else NULL is enough */
   int mixed;               /* 1: explicit forces of runs in float arithmetic */
   int precise;             /* 1: histories in double, for implicit integrators */
 } sdr_bond_based_how;

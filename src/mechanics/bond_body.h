@@ -57,7 +57,7 @@ typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
   /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
   sdr_run_force run_force[SDR_LAW_COUNT][3][2][2];
-  sdr_run_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* these commit */
+  sdr_run_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* commit; NULL: the law has none */
   sdr_loose_force loose_force[SDR_LAW_COUNT][3][2][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
   sdr_run_damage run_damage[SDR_LAW_COUNT][3][2];

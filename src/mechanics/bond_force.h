@@ -142,6 +142,17 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const 
     if (commit) block->stretch[k] = grown;
     return SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
   }
+  if (sdr_law_softens(law)) { /* these have one form for all kinds of number */
+    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
+    const double kept = grown > 0.0f ? (double)grown : 0.0;
+    if (commit) block->stretch[k] = grown;
+    const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, kept).left;
+    const SDR_REAL soft_j =
+        each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, kept).left : soft_i;
+    const SDR_REAL soft = SDR_FMA(ci, soft_i, cj * soft_j);
+    return SDR_NAMED(stiffness_left)(marked, z, grown, soft, ci + cj) *
+           SDR_NAMED(force_factor)(z, t.r);
+  }
   SDR_REAL left = ci + cj;
   if (law == SDR_LAW_CRITICAL_STRETCH) {
     const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);

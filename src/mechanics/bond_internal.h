@@ -68,6 +68,8 @@ void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *
 sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
 
 /* Parts of the model in their own files. */
+sdr_status sdr_bond_set_constants(sdr_bond_body *body, const sdr_families *families,
+                                  const sdr_bond_based_how *how);
 void sdr_bond_precise_force(sdr_bond_model *model, double *const u[3], double *const f[3]);
 void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out);
 sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out);

@@ -51,8 +51,6 @@
   SDR_FORCE(law, code, n, 0, 1)                                                                    \
   SDR_FORCE(law, code, n, 1, 0)                                                                    \
   SDR_FORCE(law, code, n, 1, 1)                                                                    \
-  SDR_MIXED(law, code, n, 0)                                                                       \
-  SDR_MIXED(law, code, n, 1)                                                                       \
   SDR_ENERGIES(law, code, n, 0)                                                                    \
   SDR_ENERGIES(law, code, n, 1)                                                                    \
   SDR_DAMAGE(law, code, n, 0)                                                                      \
@@ -62,7 +60,16 @@
   SDR_EACH_MODULI(law, code, 2)                                                                    \
   SDR_EACH_MODULI(law, code, 3)
 
+#define SDR_EACH_MIXED(law, code)                                                                  \
+  SDR_MIXED(law, code, 1, 0)                                                                       \
+  SDR_MIXED(law, code, 1, 1)                                                                       \
+  SDR_MIXED(law, code, 2, 0)                                                                       \
+  SDR_MIXED(law, code, 2, 1)                                                                       \
+  SDR_MIXED(law, code, 3, 0)                                                                       \
+  SDR_MIXED(law, code, 3, 1)
+
 SDR_LAWS(SDR_EACH_DIMENSION)
+SDR_MIXED_LAWS(SDR_EACH_MIXED)
 SDR_REFERENCE(1, 0)
 SDR_REFERENCE(1, 1)
 SDR_REFERENCE(2, 0)
@@ -100,7 +107,7 @@ const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
     .run_force = {SDR_LAWS(SDR_FORCE_ROW)},
     .loose_force = {SDR_LAWS(SDR_LOOSE_ROW)},
     .run_energies = {SDR_LAWS(SDR_ENERGIES_ROW)},
-    .mixed_run_force = {SDR_LAWS(SDR_MIXED_ROW)},
+    .mixed_run_force = {SDR_MIXED_LAWS(SDR_MIXED_ROW)},
     .run_damage = {SDR_LAWS(SDR_DAMAGE_ROW)},
     .run_reference = {
         {reference_10, reference_11}, {reference_20, reference_21}, {reference_30, reference_31}}};

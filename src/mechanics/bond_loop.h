@@ -4,6 +4,7 @@
 #ifndef SDR_MECHANICS_BOND_LOOP_H
 #define SDR_MECHANICS_BOND_LOOP_H
 
+#include "damage/bond_law.h"
 #include "mechanics/bond_body.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ typedef struct {
   int64_t i, j;
   const float *high_i[3], *high_j[3], *low_i[3], *low_j[3]; /* mixed */
   const double *ci_double, *cj_double, *qi_double, *qj_double;
+  const double *ri, *rj; /* second constant of a law, where points have their own */
   const float *ci_float, *cj_float, *qi_float, *qj_float; /* mixed */
   float *stretch;
   sdr_flags *flags;
@@ -78,10 +80,24 @@ SDR_INLINE sdr_block block_at(const int components, const sdr_bond_body *body,
     block.qi_double = body->threshold_at + i;
     block.qj_double = body->threshold_at + j;
   }
+  if (body->decline_at) {
+    block.ri = body->decline_at + i;
+    block.rj = body->decline_at + j;
+  }
   if (body->mixed) mixed_block_at(components, body, i, j, &block);
   if (body->stretch) block.stretch = body->stretch + slot;
   if (body->flags) block.flags = body->flags + slot;
   return block;
+}
+
+/* What the history k of a block's pair has left of its bond i -> j, or j -> i. */
+SDR_INLINE sdr_softening block_softening(const int law, const int each, const sdr_bond_body *body,
+                                         const sdr_block *block, int k, const int of_j, double kept)
+{
+  const int second = each && law == SDR_LAW_COHESIVE;
+  const double q = !each ? body->threshold : of_j ? block->qj_double[k] : block->qi_double[k];
+  const double r = !second ? body->decline : of_j ? block->rj[k] : block->ri[k];
+  return sdr_softening_of(law, kept, q, r);
 }
 
 /* The block that begins with the pair `start` of a run. */
@@ -269,6 +285,20 @@ SDR_INLINE sdr_directed_energy variational_energy(const int marked, double half,
   return e;
 }
 
+/* The same of any law that softens; `soft`: of the history k. */
+SDR_INLINE sdr_directed_energy softened_energy(const int marked, double half, double s, float k,
+                                               sdr_softening soft)
+{
+  const double left = s > 0.0 ? soft.left : 1.0;
+  sdr_directed_energy e = {half * left * s * s, 2.0 * half * soft.dissipated, soft.damage};
+  if (marked) {
+    e.stored = k == SDR_STRETCH_CUT ? 0.0 : k == SDR_STRETCH_PROTECTED ? half * s * s : e.stored;
+    e.dissipated = k < 0.0f ? 0.0 : e.dissipated;
+    e.damage = k < 0.0f ? 0.0 : e.damage;
+  }
+  return e;
+}
+
 SDR_INLINE sdr_directed_energy flag_energy(double half, double s, sdr_flags flags, int lost)
 {
   const int gone = flags & lost;
@@ -299,6 +329,11 @@ SDR_INLINE void energies_of_block(const int components, const int law, const int
       const double both = 1.0 / (a * c);
       i = variational_energy(marked, hi, s, grown, qi, qi * c * both);
       j = variational_energy(marked, hj, s, grown, qj, qj * a * both);
+    } else if (sdr_law_softens(law)) {
+      const float grown = grown_stretch_double(marked, b->stretch[k], s);
+      const double kept = grown > 0.0f ? (double)grown : 0.0;
+      i = softened_energy(marked, hi, s, grown, block_softening(law, each, body, b, k, 0, kept));
+      j = softened_energy(marked, hj, s, grown, block_softening(law, each, body, b, k, 1, kept));
     } else if (law == SDR_LAW_CRITICAL_STRETCH || marked) {
       /* critical_stretch breaks in commit: the energies are those of the present bonds */
       i = flag_energy(hi, s, b->flags[k], SDR_LOST_I);
@@ -354,6 +389,13 @@ SDR_INLINE void damage_of_block(const int components, const int law, const int e
       const double cut = grown == SDR_STRETCH_CUT ? 1.0 : 0.0;
       di = kk / (kk + (each ? b->qi_double[k] : body->threshold)) + cut;
       dj = kk / (kk + (each ? b->qj_double[k] : body->threshold)) + cut;
+    } else if (sdr_law_softens(law)) {
+      const double z = pair_elongation_double(components, &of, b, k);
+      const float grown = grown_stretch_double(1, b->stretch[k], stretch_of_double(z).s);
+      const double kept = grown > 0.0f ? (double)grown : 0.0;
+      const double cut = grown == SDR_STRETCH_CUT ? 1.0 : 0.0;
+      di = block_softening(law, each, body, b, k, 0, kept).damage + cut;
+      dj = block_softening(law, each, body, b, k, 1, kept).damage + cut;
     } else {
       di = b->flags[k] & SDR_LOST_I ? 1.0 : 0.0;
       dj = b->flags[k] & SDR_LOST_J ? 1.0 : 0.0;
@@ -369,7 +411,7 @@ SDR_INLINE void damage_of_runs(const int components, const int law, const int ea
 {
   const double *const volume = body->points->volume;
   _Alignas(64) double F[3][SDR_BLOCK];
-  if (law != SDR_LAW_VARIATIONAL && !body->flags) return;
+  if (!sdr_law_softens(law) && !body->flags) return;
   for (int64_t r = first; r < end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_bond_class *class = &body->bonds->classes[run->class_index];

@@ -29,6 +29,19 @@ SDR_INLINE double loose_variational(const int each, const int marked, const int 
   return stiffness_left_double(marked, s, k, soft, whole) * s * (a * b * all);
 }
 
+/* The same for any law that softens; r: its second constant at both points. */
+SDR_INLINE double loose_softened(const int law, const int marked, const int commit,
+                                 const sdr_loose_pair *p, double ri, double rj, float *history)
+{
+  const double s = p->grown / p->both;
+  const float k = grown_stretch_double(marked, *history, s);
+  if (commit) *history = k;
+  const double kept = k > 0.0f ? (double)k : 0.0;
+  const double soft = p->ci * sdr_softening_of(law, kept, p->qi, ri).left +
+                      p->cj * sdr_softening_of(law, kept, p->qj, rj).left;
+  return stiffness_left_double(marked, s, k, soft, p->ci + p->cj) * s / p->now;
+}
+
 /* What critical stretch leaves of the pair's stiffness; *fresh collects its flags. */
 SDR_INLINE double loose_critical(const int marked, const int commit, const sdr_loose_pair *p,
                                  sdr_flags *flags, sdr_flags *fresh)
@@ -99,6 +112,11 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
     double phi = 0.0;
     if (law == SDR_LAW_VARIATIONAL) {
       phi = loose_variational(each, marked, commit, &pair, &body->loose_stretch[slot]);
+    } else if (sdr_law_softens(law)) {
+      const int second = each && law == SDR_LAW_COHESIVE;
+      const double ri = second ? body->decline_at[i] : body->decline;
+      const double rj = second ? body->decline_at[j] : body->decline;
+      phi = loose_softened(law, marked, commit, &pair, ri, rj, &body->loose_stretch[slot]);
     } else {
       double left = pair.ci + pair.cj;
       if (law == SDR_LAW_CRITICAL_STRETCH)

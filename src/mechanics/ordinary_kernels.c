@@ -61,7 +61,7 @@ SDR_EACH(3)
     else                                                                                           \
       coefficients_of_points(code, 0, o, first, end);                                              \
   }
-SDR_LAWS(SDR_POINTS)
+SDR_STATE_LAWS(SDR_POINTS)
 
 #define SDR_POINTS_ROW(law, code) [code] = points_##law,
 #define SDR_USES(kind, n)                                                                          \
@@ -77,7 +77,7 @@ const sdr_ordinary_kernels SDR_JOIN(sdr_ordinary_kernels_, SDR_ISA) = {
     .loose_squares = {loose_sums_1100, loose_sums_2100, loose_sums_3100},
     .run_force = {run_force_10, run_force_20, run_force_30},
     .loose_force = {loose_force_10, loose_force_20, loose_force_30},
-    .points = {SDR_LAWS(SDR_POINTS_ROW)},
+    .points = {SDR_STATE_LAWS(SDR_POINTS_ROW)},
     .run_linear_sums = {run_sums_1001, run_sums_2001, run_sums_3001},
     .loose_linear_sums = {loose_sums_1001, loose_sums_2001, loose_sums_3001},
     .run_linear_force = {run_force_11, run_force_21, run_force_31},

@@ -1,5 +1,6 @@
 #include "output/summary.h"
 
+#include "damage/laws.h"
 #include "output/record.h"
 #include "output/version.h"
 
@@ -23,7 +24,7 @@ static const char *model_text(sdr_model_kind model)
 
 static const char *law_text(sdr_law law)
 {
-  static const char *const names[] = {"none", "variational", "critical_stretch"};
+  static const char *const names[] = SDR_LAW_NAMES;
   return names[law];
 }
 

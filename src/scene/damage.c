@@ -15,7 +15,7 @@ static void read_protect(sdr_reading *rd, sdr_node *map)
   }
 }
 
-/* Bond-based: 1 horizon; state-based: "auto". */
+/* Bond-based: 1 horizon, but none for cohesive; state-based: "auto". */
 static void read_ell(sdr_reading *rd, sdr_node *map)
 {
   sdr_length *ell = &rd->scene->damage.ell;
@@ -28,6 +28,14 @@ static void read_ell(sdr_reading *rd, sdr_node *map)
     sdr_read_error(rd->reader, node->origin,
                    "damage.ell 'auto' belongs to the models ordinary and nonordinary; the model "
                    "here is bond_based, so give a length");
+    return;
+  }
+  if (rd->scene->damage.law == SDR_LAW_COHESIVE) {
+    if (!node) return;
+    sdr_read_allow(rd->reader, map, "ell");
+    sdr_read_error(rd->reader, node->key_origin,
+                   "'ell' has no place in the law cohesive, which takes strength and toughness; "
+                   "leave it out");
     return;
   }
   if (!bonds && (!node || is_auto)) {
@@ -61,11 +69,31 @@ static void read_split(sdr_reading *rd, sdr_node *map)
   }
 }
 
+/* Laws of bonds only, without float kernels. */
+static void check_model(sdr_reading *rd, sdr_node *map)
+{
+  const sdr_law law = rd->scene->damage.law;
+  if (law != SDR_LAW_AT1 && law != SDR_LAW_COHESIVE) return;
+  const sdr_node *node = sdr_node_find(map, "law");
+  if (rd->scene->mixed)
+    sdr_read_error(rd->reader, node->origin,
+                   "the law '%s' needs precision double; the precision here is mixed", node->text);
+  if (rd->scene->model == SDR_BOND_BASED) return;
+  sdr_read_error(rd->reader, node->origin,
+                 "the law '%s' belongs to the model bond_based; the model here is %s, so take "
+                 "variational or critical_stretch",
+                 node->text, sdr_model_words[rd->scene->model]);
+}
+
 /* Without the section there is no damage; a section must name its law. */
 void sdr_read_damage(sdr_reading *rd)
 {
-  static const char *const laws[] = {"none", "variational", "critical_stretch", NULL};
-  static const char *const later[] = {"at1", "cohesive", NULL};
+  static const char *const laws[] = {[SDR_LAW_NONE] = "none",
+                                     [SDR_LAW_VARIATIONAL] = "variational",
+                                     [SDR_LAW_CRITICAL_STRETCH] = "critical_stretch",
+                                     [SDR_LAW_AT1] = "at1",
+                                     [SDR_LAW_COHESIVE] = "cohesive",
+                                     NULL};
   sdr_reader *r = rd->reader;
   sdr_damage_scene *damage = &rd->scene->damage;
   const int is_given = sdr_read_has(r, rd->root, "damage");
@@ -73,8 +101,9 @@ void sdr_read_damage(sdr_reading *rd)
   int law = SDR_LAW_NONE;
   damage->onset = NAN;
   if (!map) return;
-  sdr_read_word(r, map, "law", laws, later, is_given ? NULL : "none", &law);
+  sdr_read_word(r, map, "law", laws, NULL, is_given ? NULL : "none", &law);
   damage->law = (sdr_law)law;
+  check_model(rd, map);
   read_ell(rd, map);
   read_split(rd, map);
   sdr_read_number_or(r, map, "onset", "auto", NAN, (sdr_quantity){SDR_PLAIN, 0, 1, 1, 0}, "auto",

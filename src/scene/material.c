@@ -128,6 +128,7 @@ static void read_material(sdr_reading *rd, sdr_node *map, sdr_material *material
   material->poisson = NAN;
   material->toughness = INFINITY;
   material->density = NAN;
+  material->strength = NAN;
   material->origin = map->key ? map->key_origin : map->origin;
   read_model_word(rd, map, first);
   read_options(rd, map, first);
@@ -138,6 +139,9 @@ static void read_material(sdr_reading *rd, sdr_node *map, sdr_material *material
   sdr_read_number(r, map, "toughness", SDR_ABOVE_ZERO(((sdr_unit){0, 1, -2, 0})),
                   rd->scene->damage.law == SDR_LAW_NONE ? SDR_OPTIONAL : NULL,
                   &material->toughness);
+  sdr_read_number(r, map, "strength", SDR_ABOVE_ZERO(SDR_STRESS),
+                  rd->scene->damage.law == SDR_LAW_COHESIVE ? NULL : SDR_OPTIONAL,
+                  &material->strength);
   read_scatter(rd, map, material);
   sdr_read_done(r, map);
 }

@@ -18,6 +18,18 @@ static void read_steps(sdr_reading *rd, sdr_node *map)
   sdr_allow_adaptive(rd, map);
 }
 
+/* Explicit kernels only have a mixed form. */
+static void check_precision(sdr_reading *rd)
+{
+  const sdr_node *node = sdr_node_find(rd->root, "precision");
+  const char *integrator = rd->scene->time.integrator;
+  if (!rd->scene->mixed || strcmp(integrator, "leapfrog") == 0) return;
+  sdr_read_error(rd->reader, node->origin,
+                 "precision 'mixed' belongs to the integrator leapfrog; the integrator here is %s, "
+                 "so take double",
+                 integrator);
+}
+
 void sdr_read_time(sdr_reading *rd)
 {
   static const char *const integrators[] = {"leapfrog", "static",          "cvode",
@@ -31,6 +43,7 @@ void sdr_read_time(sdr_reading *rd)
   time->origin = map->key_origin;
   sdr_read_word(r, map, "integrator", integrators, NULL, "leapfrog", &integrator);
   snprintf(time->integrator, sizeof time->integrator, "%s", integrators[integrator]);
+  check_precision(rd);
   sdr_check_masses(rd);
   const sdr_node *step = sdr_node_find(map, "step");
   time->step_origin = step ? step->origin : map->origin;

@@ -102,6 +102,7 @@ typedef struct {
   double poisson;          /* as given; NAN if not */
   double density;          /* kg/m^3 */
   double toughness;        /* J/m^2; INFINITY if not given (law none) */
+  double strength;         /* Pa, in uniaxial tension: law cohesive; NAN if not given */
   double scatter_young;    /* relative half width, uniform; 0: none */
   uint64_t scatter_seed;
   sdr_origin origin;

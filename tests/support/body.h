@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "damage/strength.h"
 #include "mechanics/bond_based.h"
 #include "mechanics/bond_body.h"
 #include "support/cmocka_all.h"
@@ -26,6 +27,7 @@ typedef struct {
   sdr_families_how weight;
   double ell;        /* in horizons; 0: 1 */
   double stretch;    /* s_c or s0 for the modulus without scatter; 0: 0.01 */
+  double brittle;    /* cohesive: (s_c/s_e)^2 for the same, about; 0: 20 */
   double scatter;    /* of Young's modulus, share */
   int two_materials; /* points with x > 0 have 3 times the toughness and half the modulus */
   int force_loose;
@@ -39,7 +41,8 @@ typedef struct {
   sdr_families *families;
   sdr_model *model;
   const sdr_bonds *bonds; /* the model's */
-  double *young, toughness[2];
+  double *young, toughness[2], strength[2];
+  double beta; /* cohesive */
 } body;
 
 static const double body_young = 70e9, body_spacing = 0.5e-3;
@@ -92,6 +95,11 @@ static inline sdr_points *body_points(const body_how *how, int (*keep)(const int
   return points;
 }
 
+static inline int body_has_ell(sdr_law law)
+{
+  return law == SDR_LAW_VARIATIONAL || law == SDR_LAW_AT1;
+}
+
 static inline void body_materials(body *b)
 {
   const body_how *how = &b->how;
@@ -99,8 +107,10 @@ static inline void body_materials(body *b)
   const double ell = how->ell > 0.0 ? how->ell : 1.0;
   const double unit = sdr_critical_stretch_squared(how->dimension, SDR_CALIBRATE_FAMILY,
                                                    &b->families->family[0], body_young, 1.0);
-  b->toughness[0] = stretch * stretch * (how->law == SDR_LAW_VARIATIONAL ? ell : 1.0) / unit;
+  b->toughness[0] = stretch * stretch * (body_has_ell(how->law) ? ell : 1.0) / unit;
   b->toughness[1] = 3.0 * b->toughness[0];
+  b->strength[0] = body_young * stretch / sqrt(how->brittle > 0.0 ? how->brittle : 20.0);
+  b->strength[1] = 0.5 * b->strength[0];
   b->young = sdr_alloc(sdr_points_padded(b->points), sizeof(double));
   uint64_t seed = 977;
   for (int32_t i = 0; i < b->points->count; ++i)
@@ -113,6 +123,27 @@ static inline sdr_model_traits body_traits(const sdr_model *model)
   sdr_model_traits traits;
   model->ops->traits(model, &traits);
   return traits;
+}
+
+/* C, s0^2 and q of point i, as theory sec. 3-4 has them (cohesive: q = s_e). */
+static inline double body_micromodulus(const body *b, int32_t i)
+{
+  return sdr_micromodulus(b->how.dimension, SDR_CALIBRATE_FAMILY, sdr_family_of(b->families, i),
+                          b->young[i]);
+}
+static inline double body_critical(const body *b, int32_t i)
+{
+  return sdr_critical_stretch_squared(b->how.dimension, SDR_CALIBRATE_FAMILY,
+                                      sdr_family_of(b->families, i), b->young[i],
+                                      b->toughness[b->points->material[i]]);
+}
+static inline double body_threshold(const body *b, int32_t i)
+{
+  if (b->how.law == SDR_LAW_NONE) return 1.0;
+  const double q = body_critical(b, i);
+  if (b->how.law == SDR_LAW_COHESIVE)
+    return b->strength[b->points->material[i]] / (b->beta * b->young[i]);
+  return body_has_ell(b->how.law) && b->how.ell > 0.0 ? q / b->how.ell : q;
 }
 
 /* Of the cells that `keep` keeps (NULL: all). */
@@ -133,10 +164,15 @@ static inline body body_create_kept(const body_how *how, int (*keep)(const int32
                                         .precise = how->precise,
                                         .ell = {how->ell > 0.0 ? how->ell : 1.0, 1},
                                         .young = b.young,
-                                        .toughness = b.toughness};
+                                        .toughness = b.toughness,
+                                        .strength = b.strength};
   assert_int_equal(sdr_bond_based_create(b.points, bonds, b.families, &model_how, &b.model),
                    SDR_OK);
   b.bonds = bonds;
+  if (how->law == SDR_LAW_COHESIVE)
+    assert_int_equal(sdr_cohesive_beta(b.families, sdr_family_of(b.families, 0),
+                                       body_micromodulus(&b, 0), b.young[0], &b.beta),
+                     SDR_OK);
   return b;
 }
 
@@ -151,21 +187,6 @@ static inline void body_destroy(body *b)
   sdr_families_destroy(&b->families);
   sdr_points_destroy(&b->points);
   sdr_free(b->young);
-}
-
-/* C and q of point i, as theory sec. 3-4 has them. */
-static inline double body_micromodulus(const body *b, int32_t i)
-{
-  return sdr_micromodulus(b->how.dimension, SDR_CALIBRATE_FAMILY, sdr_family_of(b->families, i),
-                          b->young[i]);
-}
-static inline double body_threshold(const body *b, int32_t i)
-{
-  if (b->how.law == SDR_LAW_NONE) return 1.0;
-  const double q = sdr_critical_stretch_squared(b->how.dimension, SDR_CALIBRATE_FAMILY,
-                                                sdr_family_of(b->families, i), b->young[i],
-                                                b->toughness[b->points->material[i]]);
-  return b->how.law == SDR_LAW_VARIATIONAL && b->how.ell > 0.0 ? q / b->how.ell : q;
 }
 
 /* Cut what crosses the plane x = 0.1 spacing, protect what has an end low on the first axis. */

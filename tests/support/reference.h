@@ -10,7 +10,7 @@ typedef struct {
   float *stretch;     /* k of the pair (i, j), count x count; committed */
   char *lost;         /* directed bond i -> j lost for good (critical stretch) */
   char *mark;         /* SDR_CUT, SDR_PROTECTED or 0 */
-  double *c, *q;      /* constants of each point */
+  double *c, *q, *a;  /* constants of each point; a: s0^2/s_e^2 of cohesive */
   long double booked; /* energy of lost directed bonds, as commit books it: at their stretch then */
   double farthest;    /* above every horizon, m */
   int without_dual;   /* 1: leave out what the dual horizon adds */
@@ -24,10 +24,12 @@ static inline reference reference_create(const body *b)
                  .lost = sdr_alloc(n * n, 1),
                  .mark = sdr_alloc(n * n, 1),
                  .c = sdr_alloc(n, sizeof(double)),
-                 .q = sdr_alloc(n, sizeof(double))};
+                 .q = sdr_alloc(n, sizeof(double)),
+                 .a = sdr_alloc(n, sizeof(double))};
   for (int32_t i = 0; i < b->points->count; ++i) {
     r.c[i] = body_micromodulus(b, i);
     r.q[i] = body_threshold(b, i);
+    if (b->how.law == SDR_LAW_COHESIVE) r.a[i] = body_critical(b, i) / (r.q[i] * r.q[i]);
     r.farthest = fmax(r.farthest, 1.001 * b->points->horizon[i]);
   }
   return r;
@@ -40,6 +42,7 @@ static inline void reference_destroy(reference *r)
   sdr_free(r->mark);
   sdr_free(r->c);
   sdr_free(r->q);
+  sdr_free(r->a);
 }
 
 /* One pair at u: xi, y = xi + eta, their lengths, and the stretch. */
@@ -88,12 +91,43 @@ typedef struct {
   long double force, stored, dissipated;
 } reference_law;
 
+/* What is left of the stiffness after a largest stretch k, and what that has dissipated over
+   C |xi|. Cohesive: force over C s_e is a line from (1, 1) to (mu, gamma) and one to (x_f, 0). */
+typedef struct {
+  long double left, dissipated;
+} reference_softening;
+
+static inline reference_softening reference_cohesive(long double k, long double s_e, long double a)
+{
+  const long double x = k / s_e, mu = 1.25L, last = 1.0L + (a - mu) / 0.5L;
+  const long double first = x < mu ? x : mu, second = x < last ? x : last;
+  if (x <= 1.0L) return (reference_softening){1.0L, 0.0L};
+  long double force = 1.0L - 2.0L * (first - 1.0L);
+  long double work = 0.5L + 0.5L * (1.0L + force) * (first - 1.0L);
+  if (x > mu) {
+    force = 0.5L * (last - second) / (last - mu);
+    work += 0.5L * (0.5L + force) * (second - mu);
+  }
+  return (reference_softening){force / x, s_e * s_e * (work - 0.5L * force * x)};
+}
+
+static inline reference_softening reference_soften(const reference *r, int32_t i, long double k)
+{
+  const long double q = (long double)r->q[i];
+  if (r->body->how.law == SDR_LAW_COHESIVE) return reference_cohesive(k, q, (long double)r->a[i]);
+  if (r->body->how.law == SDR_LAW_AT1) {
+    const long double d = 2.0L * k * k > q ? 1.0L - 0.5L * q / (k * k) : 0.0L;
+    return (reference_softening){(1.0L - d) * (1.0L - d), 0.5L * q * d};
+  }
+  const long double d = k * k / (k * k + q);
+  return (reference_softening){(1.0L - d) * (1.0L - d), 0.5L * q * d * d};
+}
+
 static inline reference_law reference_directed(const reference *r, int32_t i, int32_t j,
                                                const reference_pair *p)
 {
   const size_t slot = (size_t)i * (size_t)r->body->points->count + (size_t)j;
   const long double c = (long double)r->c[i], s = p->s;
-  const long double q = (long double)r->q[i];
   const long double w = 0.5L * c * p->length * s * s;
   const char mark = r->mark[slot];
   if (mark == SDR_CUT) return (reference_law){0.0L, 0.0L, 0.0L};
@@ -102,9 +136,9 @@ static inline reference_law reference_directed(const reference *r, int32_t i, in
   if (r->body->how.law == SDR_LAW_CRITICAL_STRETCH)
     return r->lost[slot] ? (reference_law){0.0L, 0.0L, 0.0L} : (reference_law){c * s, w, 0.0L};
   const long double now = (long double)(float)s, before = (long double)r->stretch[slot];
-  const long double k = now > before ? now : before, d = k * k / (k * k + q);
-  const long double left = s > 0.0L ? (1.0L - d) * (1.0L - d) : 1.0L;
-  return (reference_law){c * left * s, left * w, 0.5L * c * p->length * q * d * d};
+  const reference_softening soft = reference_soften(r, i, now > before ? now : before);
+  const long double left = s > 0.0L ? soft.left : 1.0L;
+  return (reference_law){c * left * s, left * w, c * p->length * soft.dissipated};
 }
 
 /* b V_i V_j of the directed bond i -> j; 0 if j is not in H_i. */

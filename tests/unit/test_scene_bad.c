@@ -23,6 +23,7 @@ static void read_text(const char *path, char *text, size_t size)
 static int is_wrong_later(const char *scene)
 {
   static const char *const names[] = {"horizon_below_spacing",
+                                      "cohesive_horizon",
                                       "horizon_negative_somewhere",
                                       "empty_shape",
                                       "zero_points",

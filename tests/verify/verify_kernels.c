@@ -22,8 +22,6 @@ static const body_how shapes[] = {
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
-static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
-
 /* Forces and energies of a body in a state with history, against the reference. */
 static void compare_with_reference(const body_how *how, double amplitude, int marked)
 {
@@ -64,12 +62,12 @@ static void compare_with_reference(const body_how *how, double amplitude, int ma
 static void every_case(double amplitude, double stretch)
 {
   for (int k = 0; k < SHAPES; ++k)
-    for (int law = 0; law < 3; ++law)
+    for (int law = 0; law < SDR_LAW_COUNT; ++law)
       for (int loose = 0; loose < 2; ++loose)
         for (int scatter = 0; scatter < 2; ++scatter) {
           if (loose && shapes[k].jitter > 0.0) continue;
           body_how how = shapes[k];
-          how.law = laws[law];
+          how.law = (sdr_law)law;
           how.force_loose = loose;
           how.scatter = 0.3 * scatter;
           how.stretch = stretch;
@@ -190,10 +188,10 @@ static void every_instruction_set_gives_the_same(void **state)
       continue;
     }
     for (int k = 0; k < SHAPES; ++k)
-      for (int law = 0; law < 3; ++law)
+      for (int law = 0; law < SDR_LAW_COUNT; ++law)
         for (int scatter = 0; scatter < 2; ++scatter) {
           body_how how = shapes[k];
-          how.law = laws[law];
+          how.law = (sdr_law)law;
           how.scatter = 0.3 * scatter;
           compare_with_baseline(&how, names[n]);
         }
@@ -250,10 +248,10 @@ static void any_number_of_threads_gives_the_same_bits(void **state)
   };
   const char *best = has_isa("avx512") ? "avx512" : has_isa("avx2") ? "avx2" : "baseline";
   for (int k = 0; k < 4; ++k)
-    for (int law = 0; law < 3; ++law)
+    for (int law = 0; law < SDR_LAW_COUNT; ++law)
       for (int threads = 2; threads <= 3; ++threads) {
         body_how how = many[k];
-        how.law = laws[law];
+        how.law = (sdr_law)law;
         how.scatter = 0.3;
         double *f[3], *g[3];
         sdr_energies first, second;
