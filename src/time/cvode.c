@@ -360,10 +360,14 @@ static sdr_status start(sdr_system *system, double dt)
   return sdr_motion_show(((work *)system->work)->motion);
 }
 
-/* Tolerances are those of the start, for what the loads are is known from then. */
+/* All is made anew, tolerances too, so that a resumed run does the same; only the counts go on. */
 static sdr_status restart(sdr_system *system, double dt)
 {
-  if (!system->work) SDR_TRY(attach(system, dt));
+  const sdr_method_record before = system->method;
+  if (system->work) end_work(system->work);
+  system->work = NULL;
+  SDR_TRY(attach(system, dt));
+  ((work *)system->work)->before = before;
   return next_stretch(system->work, 0);
 }
 
@@ -477,7 +481,7 @@ static sdr_status step(sdr_system *system, double dt)
   SDR_TRY(
       sdr_motion_accept(w->motion, call.time, values(w->y), values(w->y) + w->size, w->g, change));
   report(w);
-  return SDR_OK;
+  return sdr_motion_broke(w->motion) ? begin(w) : SDR_OK;
 }
 
 const sdr_integrator sdr_cvode = {

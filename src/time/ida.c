@@ -1,18 +1,18 @@
 /* IDA on F(t, y, y') = 0 with supports as algebraic rows. With x the free components q and then the
-   prescribed ones, y = (x, w, z):
+   prescribed ones, y = (x, w):
 
      free, with mass      q' - w = 0                     M w' - g = 0
      free, without mass   C q' - g = 0                   w - q' = 0   (w = 0 where C = 0)
      prescribed           x - X(t) = 0                   w - X'(t) = 0
 
-   g = P^T f(u) + loads, C = viscosity times the stiffness of a point at rest. z holds the
-   quadratures (work, impulses, viscous work), z' - rates = 0, which no error test sees. Newton's
-   matrix dF/dy + c dF/dy' leaves, w eliminated,
+   g = P^T f(u) + loads, C = viscosity times the stiffness of a point at rest. Newton's matrix
+   dF/dy + c dF/dy' leaves, w eliminated,
 
      (D + P^T K B) dq = r + ... - P^T K dx,   D = M c^2 or C c,   dx of the prescribed known.
 
    Consistent values at the start, and after each event, come from IDACalcIC. IDA tests its
-   iteration by the size of the last correction; so the residual is looked at after each step. */
+   iteration by the size of the last correction; so the residual is looked at after each step. Work,
+   impulses and viscous work are summed by Simpson's rule over each step's polynomial. */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "time/ida_internal.h"
@@ -36,7 +36,7 @@ static void close_method(sdr_ida_work *w)
   if (w->memory) IDAFree(&w->memory);
   if (w->linear) SUNLinSolFree(w->linear);
   if (w->matrix) SUNMatDestroy(w->matrix);
-  N_Vector *const vectors[] = {&w->y, &w->slope, &w->kind, &w->left};
+  N_Vector *const vectors[] = {&w->y, &w->slope, &w->kind, &w->left, &w->middle, &w->middle_slope};
   for (size_t k = 0; k < sizeof vectors / sizeof *vectors; ++k) {
     if (*vectors[k]) N_VDestroy(*vectors[k]);
     *vectors[k] = NULL;
@@ -96,13 +96,16 @@ static sdr_status make_vectors(sdr_ida_work *w)
   w->diagonal = sdr_alloc(n, sizeof(double));
   w->right = sdr_alloc(n, sizeof(double));
   w->scale = sdr_alloc(n, sizeof(double));
-  w->y = N_VNew_Serial(2 * (sunindextype)w->size + SDR_IDA_SUMS, w->context);
+  w->y = N_VNew_Serial(2 * (sunindextype)w->size, w->context);
   if (!w->g || !w->diagonal || !w->right || !w->scale || !w->y) return complain(w);
   sdr_sun_quicken(w->y);
   w->slope = N_VClone(w->y);
   w->kind = N_VClone(w->y);
   w->left = N_VClone(w->y);
-  return w->slope && w->kind && w->left ? SDR_OK : complain(w);
+  w->middle = N_VClone(w->y);
+  w->middle_slope = N_VClone(w->y);
+  const int whole = w->slope && w->kind && w->left && w->middle && w->middle_slope;
+  return whole ? SDR_OK : complain(w);
 }
 
 /* 1 for differential entries, 0 for algebraic ones. */
@@ -115,7 +118,6 @@ static void find_kinds(sdr_ida_work *w)
     kind[k] = mass[k] > 0.0 || sdr_ida_viscous_of(w, k) > 0.0;
     kind[w->size + k] = mass[k] > 0.0;
   }
-  for (int k = 0; k < SDR_IDA_SUMS; ++k) kind[2 * w->size + k] = 1.0;
 }
 
 /* The system's state, and the best that is known of its rates. */
@@ -141,7 +143,6 @@ static sdr_status guess(sdr_ida_work *w)
     slope[k] = y[size + k];
     slope[size + k] = mass[k] > 0.0 ? w->g[k] / mass[k] : 0.0;
   }
-  memset(w->known, 0, sizeof w->known);
   return SDR_OK;
 }
 
@@ -153,7 +154,7 @@ static int attach(sdr_ida_work *w)
   if (!w->matrix || !w->linear) return -1;
   int flag = IDASetLinearSolver(w->memory, w->linear, w->matrix);
   if (!flag) flag = IDASetJacFn(w->memory, sdr_ida_make_matrix);
-  if (!flag && iterates) flag = IDASetLinearSolutionScaling(w->memory, SUNFALSE);
+  if (!flag) flag = IDASetLinearSolutionScaling(w->memory, SUNFALSE); /* solve does */
   return flag;
 }
 
@@ -176,6 +177,8 @@ static sdr_status open_method(sdr_ida_work *w)
   if (!flag) flag = IDASetMaxStep(w->memory, w->longest);
   if (!flag) flag = IDASetMaxConvFails(w->memory, MOST_FAILURES);
   if (!flag) flag = IDASetMaxErrTestFails(w->memory, MOST_FAILURES);
+  /* where nothing is differential no error tells that the first steps are of first order */
+  if (!flag && !w->has_mass) flag = IDASetInitStep(w->memory, 1e-4 * w->longest);
   if (!flag) flag = attach(w);
   return flag ? complain(w) : SDR_OK;
 }
@@ -198,6 +201,15 @@ static void count(const sdr_ida_work *w, sdr_method_record *out)
   out->last_step = last;
 }
 
+/* Rates of the sums where a stretch begins. */
+static sdr_status look_at_start(sdr_ida_work *w)
+{
+  const double t = w->system->time;
+  SDR_TRY(sdr_ida_place(w, t, values(w->y)));
+  sdr_motion_force(w->motion, w->g);
+  return sdr_ida_rates(w, t, values(w->y), values(w->slope), w->rates);
+}
+
 /* Consistent values for the rows that hold now; `ahead`: a moment to say which way time goes. */
 static sdr_status make_consistent(sdr_ida_work *w)
 {
@@ -205,8 +217,10 @@ static sdr_status make_consistent(sdr_ida_work *w)
   const double ahead = t + fmin(0.1 * w->longest, 0.01 * (until - t));
   if (IDASetStopTime(w->memory, until)) return complain(w);
   const int flag = IDACalcIC(w->memory, IDA_YA_YDP_INIT, ahead);
-  if (flag == IDA_SUCCESS)
-    return IDAGetConsistentIC(w->memory, w->y, w->slope) ? complain(w) : SDR_OK;
+  if (flag == IDA_SUCCESS) {
+    if (IDAGetConsistentIC(w->memory, w->y, w->slope)) return complain(w);
+    return look_at_start(w);
+  }
   if (w->failure != SDR_OK) return w->failure;
   return sdr_fail(SDR_RUN_FAILED,
                   "ida found no consistent values to start from at t = %.6g s: %s; let loads and "
@@ -269,7 +283,8 @@ static sdr_status create(sdr_system *system, double dt, sdr_ida_work **out)
   w->longest = dt;
   w->full = sdr_alloc((size_t)(system->count * system->components), sizeof(double));
   sdr_status status = w->full ? SDR_OK : SDR_RUN_FAILED;
-  if (status == SDR_OK && has_mass(system)) status = sdr_stable_step(system, &stable);
+  w->has_mass = has_mass(system);
+  if (status == SDR_OK && w->has_mass) status = sdr_stable_step(system, &stable);
   if (status == SDR_OK) status = sdr_tolerances_choose(system, stable, &w->tolerances);
   if (status == SDR_OK) status = find_viscosity(w);
   if (status == SDR_OK) status = sdr_motion_create(system, &w->motion);
@@ -301,9 +316,14 @@ static sdr_status start(sdr_system *system, double dt)
   return sdr_motion_show(((sdr_ida_work *)system->work)->motion);
 }
 
+/* All is made anew, tolerances too, so that a resumed run does the same; only the counts go on. */
 static sdr_status restart(sdr_system *system, double dt)
 {
-  if (!system->work) SDR_TRY(begin_work(system, dt));
+  const sdr_method_record before = system->method;
+  if (system->work) end_work(system->work);
+  system->work = NULL;
+  SDR_TRY(begin_work(system, dt));
+  ((sdr_ida_work *)system->work)->before = before;
   return next_stretch(system->work, 0);
 }
 
@@ -394,6 +414,25 @@ static void report(const sdr_ida_work *w)
   record->linear_iterations = solver.iterations;
 }
 
+/* Simpson's rule for the sums of the step to time t; g and the forces are those at t then. */
+static sdr_status find_sums(sdr_ida_work *w, double t, double sums[SDR_IDA_SUMS])
+{
+  const double h = t - w->system->time, half = t - 0.5 * h;
+  double middle[SDR_IDA_SUMS], end[SDR_IDA_SUMS];
+  if (IDAGetDky(w->memory, half, 0, w->middle) || IDAGetDky(w->memory, half, 1, w->middle_slope))
+    return complain(w);
+  SDR_TRY(sdr_ida_place(w, half, values(w->middle)));
+  sdr_motion_force(w->motion, w->g);
+  SDR_TRY(sdr_ida_rates(w, half, values(w->middle), values(w->middle_slope), middle));
+  SDR_TRY(check_residual(w, t));
+  SDR_TRY(sdr_ida_rates(w, t, values(w->y), values(w->slope), end));
+  for (int k = 0; k < SDR_IDA_SUMS; ++k) {
+    sums[k] = h / 6.0 * (w->rates[k] + 4.0 * middle[k] + end[k]);
+    w->rates[k] = end[k];
+  }
+  return SDR_OK;
+}
+
 static sdr_status step(sdr_system *system, double dt)
 {
   sdr_ida_work *w = system->work;
@@ -403,17 +442,12 @@ static sdr_status step(sdr_system *system, double dt)
   step_call call = {.w = w};
   sdr_parallel_for(0, 1, 1, take_step, &call);
   if (call.flag < 0) return explain(w, call.flag);
-  SDR_TRY(check_residual(w, call.time));
-  const double *sums = values(w->y) + 2 * w->size;
-  for (int k = 0; k < SDR_IDA_SUMS; ++k) {
-    change[k] = sums[k] - w->known[k];
-    w->known[k] = sums[k];
-  }
+  SDR_TRY(find_sums(w, call.time, change));
   system->viscous += change[SDR_IDA_VISCOUS];
   SDR_TRY(
       sdr_motion_accept(w->motion, call.time, values(w->y), values(w->y) + w->size, w->g, change));
   report(w);
-  return SDR_OK;
+  return sdr_motion_broke(w->motion) ? begin(w, 0) : SDR_OK;
 }
 
 const sdr_integrator sdr_ida = {

@@ -9,7 +9,7 @@
 
 #include <ida/ida.h>
 
-/* Entries of z: what a motion asks for, and viscous work. */
+/* Sums over time: what a motion asks for, and viscous work. */
 enum { SDR_IDA_SUMS = SDR_MOTION_RATES + 1, SDR_IDA_VISCOUS = SDR_MOTION_RATES };
 
 typedef struct {
@@ -18,18 +18,20 @@ typedef struct {
   sdr_reduced_solver *reduced;
   sdr_tolerances tolerances;
   double longest;  /* s */
+  int has_mass;    /* 1: every point has one */
   double *viscous; /* an unknown: C, N s/m; NULL: none */
 
   SUNContext context;
   void *memory;
   N_Vector y, slope, kind, left;
+  N_Vector middle, middle_slope; /* of a step */
   SUNMatrix matrix;
   SUNLinearSolver linear;
   int32_t free, size; /* entries of q; of x */
   int32_t *entry;     /* the supports' entry of prescribed ones, x[free + k] */
   double *g, *diagonal, *right, *scale, *full;
-  double known[SDR_IDA_SUMS];
-  double made_factor; /* c of the matrix */
+  double rates[SDR_IDA_SUMS]; /* of the sums, at the system's time */
+  double made_factor;         /* c of the matrix */
   sdr_method_record before;
   sdr_sun_complaint complaint;
   sdr_status failure;
@@ -42,6 +44,10 @@ int sdr_ida_make_matrix(realtype t, realtype factor, N_Vector y, N_Vector slope,
                         SUNMatrix matrix, void *context, N_Vector a, N_Vector b, N_Vector c);
 int sdr_ida_solve(void *context, double *x, const double *b, const double *weight,
                   double tolerance);
+
+/* Rates of the sums at a state. */
+sdr_status sdr_ida_rates(sdr_ida_work *work, double t, const double *y, const double *slope,
+                         double rates[SDR_IDA_SUMS]);
 
 /* C of entry k of q; the body at x, prescribed components where x has them. */
 double sdr_ida_viscous_of(const sdr_ida_work *work, int32_t k);

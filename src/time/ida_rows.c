@@ -75,13 +75,11 @@ static double viscous_power(const sdr_ida_work *w, const double *slope)
   return power;
 }
 
-static sdr_status sum_rows(sdr_ida_work *w, double t, const double *y, const double *slope,
-                           double *out)
+sdr_status sdr_ida_rates(sdr_ida_work *w, double t, const double *y, const double *slope,
+                         double rates[SDR_IDA_SUMS])
 {
-  double rates[SDR_IDA_SUMS];
   SDR_TRY(sdr_motion_outside(w->motion, t, y + w->size, rates));
   rates[SDR_IDA_VISCOUS] = viscous_power(w, slope);
-  for (int k = 0; k < SDR_IDA_SUMS; ++k) out[2 * w->size + k] = slope[2 * w->size + k] - rates[k];
   return SDR_OK;
 }
 
@@ -96,13 +94,12 @@ int sdr_ida_residual(realtype t, N_Vector y, N_Vector slope, N_Vector left, void
     free_rows(w, at, rate, out);
     status = prescribed_rows(w, t, at, out);
   }
-  if (status == SDR_OK) status = sum_rows(w, t, at, rate, out);
   if (status != SDR_OK) return judge(w, status);
   for (int32_t k = 0; k < 2 * w->size; ++k) sum += fabs(out[k]);
   return isfinite(sum) ? 0 : 1;
 }
 
-/* weight = 1/(relative |y| + absolute); sums weigh nothing. */
+/* weight = 1/(relative |y| + absolute). */
 int sdr_ida_weigh(N_Vector y, N_Vector weight, void *context)
 {
   const sdr_ida_work *w = context;
@@ -113,7 +110,6 @@ int sdr_ida_weigh(N_Vector y, N_Vector weight, void *context)
     to[k] = 1.0 / (t->relative * fabs(from[k]) + t->displacement);
     to[w->size + k] = 1.0 / (t->relative * fabs(from[w->size + k]) + t->velocity);
   }
-  for (int k = 0; k < SDR_IDA_SUMS; ++k) to[2 * w->size + k] = 1e-200;
   return 0;
 }
 
@@ -158,13 +154,17 @@ static void pull_of_prescribed(sdr_ida_work *w, const double *b)
   }
 }
 
-/* How residuals of the reduced system show in the error weights, by its diagonal. */
+/* How residuals of the reduced system show in the error weights: by masses, or by a stiffness as
+   low as that of smooth motions. */
 static void find_scale(sdr_ida_work *w, const double *weight, double factor)
 {
   for (int32_t k = 0; k < w->free; ++k) {
-    const double way = weight[k] / w->diagonal[k];
-    const double speed = weight[w->size + k] * factor / w->diagonal[k];
-    w->scale[k] = w->diagonal[k] > 0.0 ? sqrt(0.5 * (way * way + speed * speed)) : 1.0;
+    const int massless = !(sdr_motion_mass(w->motion)[k] > 0.0);
+    const double stiffness = massless ? 1e-3 * sdr_reduced_solver_stiffness(w->reduced, k) : 0.0;
+    const double resistance = w->diagonal[k] + fmax(stiffness, 0.0);
+    const double way = weight[k] / resistance;
+    const double speed = massless ? 0.0 : weight[w->size + k] * factor / resistance;
+    w->scale[k] = sqrt(0.5 * (way * way + speed * speed));
   }
 }
 
@@ -173,12 +173,15 @@ int sdr_ida_solve(void *context, double *x, const double *b, const double *weigh
   sdr_ida_work *w = context;
   const int32_t size = w->size;
   const double *mass = sdr_motion_mass(w->motion);
-  double factor = w->made_factor;
+  double factor = w->made_factor, now = factor, share = 1.0;
+  IDAGetCurrentCj(w->memory, &now);
+  if (!(now > 0.0)) now = factor; /* before the first step */
   if (sdr_reduced_solver_iterates(w->reduced)) {
-    IDAGetCurrentCj(w->memory, &factor);
-    if (!(factor > 0.0)) factor = w->made_factor; /* before the first step */
+    factor = now;
     find_diagonal(w, factor);
     find_scale(w, weight, factor);
+  } else {
+    share = 2.0 / (1.0 + now / factor); /* the factor is of another step: as IDA would do */
   }
   pull_of_prescribed(w, b);
   for (int32_t k = 0; k < w->free; ++k) {
@@ -188,15 +191,15 @@ int sdr_ida_solve(void *context, double *x, const double *b, const double *weigh
   const sdr_reduced_aim aim = {w->diagonal, w->scale, tolerance / sqrt(2.0 * size)};
   const int result = sdr_reduced_solver_solve(w->reduced, &aim, w->right, x);
   for (int32_t k = 0; k < w->free; ++k) {
+    x[k] *= share;
     if (mass[k] > 0.0)
-      x[size + k] = factor * x[k] - b[k];
+      x[size + k] = now * x[k] - b[k];
     else
-      x[size + k] = b[size + k] + (sdr_ida_viscous_of(w, k) > 0.0 ? factor * x[k] : 0.0);
+      x[size + k] = b[size + k] + (sdr_ida_viscous_of(w, k) > 0.0 ? now * x[k] : 0.0);
   }
   for (int32_t k = w->free; k < size; ++k) {
     x[k] = b[k];
     x[size + k] = b[size + k];
   }
-  for (int k = 0; k < SDR_IDA_SUMS; ++k) x[2 * size + k] = b[2 * size + k] / factor;
   return result;
 }

@@ -231,6 +231,8 @@ sdr_status sdr_motion_jump(sdr_motion *motion, int silent)
   motion->at = NAN; /* velocities act from here on */
   SDR_TRY(sdr_motion_stand(motion, system->time));
   sdr_motion_sum_held(motion, motion->held);
+  motion->flags = sdr_motion_flags(motion);
+  motion->broke = 0;
   return SDR_OK;
 }
 
@@ -278,8 +280,16 @@ sdr_status sdr_motion_accept(sdr_motion *motion, double t, const double *q, cons
   system->time = t;
   ++system->step;
   system->model->ops->commit(system->model, system->u);
+  const uint64_t flags = sdr_motion_flags(motion);
+  motion->broke = flags != motion->flags;
+  motion->flags = flags;
   sdr_implicit_accept(motion->implicit);
   return SDR_OK;
+}
+
+int sdr_motion_broke(const sdr_motion *motion)
+{
+  return motion->broke;
 }
 
 sdr_status sdr_motion_show(sdr_motion *motion)

@@ -60,6 +60,9 @@ int sdr_motion_driven(const sdr_motion *motion);
 sdr_status sdr_motion_accept(sdr_motion *motion, double t, const double *q, const double *w,
                              const double *g, const double outside[SDR_MOTION_RATES]);
 
+/* 1 if bonds broke for good when the last state was accepted: the force has a jump there. */
+int sdr_motion_broke(const sdr_motion *motion);
+
 /* The total forces of the system's state at its time, into its f and reactions. */
 sdr_status sdr_motion_show(sdr_motion *motion);
 

@@ -18,6 +18,8 @@ struct sdr_motion {
   double *position, *rate, *bend, *sample[SDR_MOTION_SAMPLES];
   int has_velocities;
   double *layer_rate; /* a' of the layers' components */
+  uint64_t flags;     /* of bonds, as one number */
+  int broke;          /* 1: the last commit changed them */
   double *raw;        /* the model's force on touched components before layers handed theirs on */
   double *slack[3];   /* displacements of layers where the body rests; a component each */
   double held[SDR_MOTION_RATES]; /* kinetic energy and momenta of prescribed components */
@@ -26,6 +28,9 @@ struct sdr_motion {
 /* motion_time.c: bring loads and positions, and rates, to time t. */
 sdr_status sdr_motion_stand(sdr_motion *motion, double t);
 sdr_status sdr_motion_find_rates(sdr_motion *motion, double t);
+
+/* motion_time.c: a number that changes if bonds were cut. */
+uint64_t sdr_motion_flags(const sdr_motion *motion);
 
 /* motion_books.c: what prescribed components hold of kinetic energy and momenta; the body's energy
    and momenta as a whole; add to the system's books. */

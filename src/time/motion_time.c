@@ -153,3 +153,19 @@ sdr_status sdr_motion_prescribed(sdr_motion *motion, double t, int32_t k, double
   *bend = motion->bend[k];
   return SDR_OK;
 }
+
+uint64_t sdr_motion_flags(const sdr_motion *motion)
+{
+  sdr_model *model = motion->implicit->system->model;
+  sdr_state_block blocks[SDR_STATE_BLOCKS];
+  uint64_t sum = 14695981039346656037u; /* FNV-1a, by words */
+  int count = 0;
+  model->ops->state(model, blocks, &count);
+  for (int b = 0; b < count; ++b) {
+    if (!strstr(blocks[b].name, "flags")) continue;
+    const uint32_t *word = blocks[b].data;
+    for (size_t k = 0; k < blocks[b].bytes / sizeof *word; ++k)
+      sum = (sum ^ word[k]) * 1099511628211u;
+  }
+  return sum;
+}

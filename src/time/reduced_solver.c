@@ -205,6 +205,11 @@ void sdr_reduced_solver_pull(sdr_reduced_solver *solver, const double *z, double
   sdr_constraints_project(solver->constraints, solver->full[0], out);
 }
 
+double sdr_reduced_solver_stiffness(const sdr_reduced_solver *solver, int32_t k)
+{
+  return solver->matrix->value[solver->diagonal_at[k]];
+}
+
 typedef struct {
   const sdr_csr *a;
   const double *d, *x;

@@ -46,6 +46,9 @@ sdr_reduced sdr_reduced_solver_solve(sdr_reduced_solver *solver, const sdr_reduc
 /* out = P^T K z, for z over all components. */
 void sdr_reduced_solver_pull(sdr_reduced_solver *solver, const double *z, double *out);
 
+/* Diagonal entry k of P^T K B. */
+double sdr_reduced_solver_stiffness(const sdr_reduced_solver *solver, int32_t k);
+
 typedef struct {
   const char *name;
   int64_t unknowns, nonzeros; /* of the matrix */
