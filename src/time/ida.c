@@ -374,7 +374,7 @@ static void take_step(void *context, int index)
 }
 
 /* Forces that are left over at the free components, over those that act on the body, supports'
-   included; g is known then. */
+   included, and ten times those of a displacement as small as its tolerance; g is known then. */
 static sdr_status check_residual(sdr_ida_work *w, double t)
 {
   const sdr_system *system = w->system;
@@ -383,8 +383,10 @@ static sdr_status check_residual(sdr_ida_work *w, double t)
   if (sdr_ida_residual(t, w->y, w->slope, w->left, w) < 0) return complain(w);
   for (int32_t k = 0; k < w->free; ++k) {
     const double rest = mass[k] > 0.0 ? left[w->size + k] : left[k];
+    const double stiffness = w->diagonal[k] + fabs(sdr_reduced_solver_stiffness(w->reduced, k));
+    const double slight = 10.0 * stiffness * w->tolerances.displacement;
     over += rest * rest;
-    whole += w->g[k] * w->g[k];
+    whole += w->g[k] * w->g[k] + slight * slight;
   }
   for (int a = 0; a < system->components; ++a)
     for (int32_t i = 0; i < system->count; ++i) whole += system->f[a][i] * system->f[a][i];

@@ -60,7 +60,7 @@ static void a_strip_without_mass_is_in_equilibrium_all_the_time(void **state)
     for (int32_t i = 2; i < 10; ++i)
       assert_near(run.system->u[0][i] - run.system->u[0][i - 1], 0.125, 1e-5);
     assert_near(end.model.stored, 0.0625, 1e-6);
-    assert_near(end.model.stored, run.system->external_work, 1e-5 * end.model.stored);
+    assert_near(end.model.stored + run.system->viscous, run.system->external_work, 1e-7);
     assert_near(end.kinetic, 0.0, 0.0);
     sdr_built_destroy(&run);
   }
