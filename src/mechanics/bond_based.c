@@ -25,26 +25,6 @@ static void zero_stripe(const sdr_points *points, int s, double *const f[3])
     memset(f[a] + first, 0, (size_t)(end - first) * sizeof(double));
 }
 
-/* Displacements as sums of two floats, in units of the spacing. */
-static void split_stripe(void *context, int s)
-{
-  const force_call *call = context;
-  const sdr_bond_body *body = &call->model->body;
-  const sdr_points *points = body->points;
-  const double unit = 1.0 / body->length_unit;
-  const int32_t first = points->stripe_first[s], end = points->stripe_first[s + 1];
-  for (int a = 0; a < points->components; ++a) {
-    const double *const u = call->u[a];
-    float *const high = body->high[a], *const low = body->low[a];
-#pragma omp simd
-    for (int32_t i = first; i < end; ++i) {
-      const double scaled = u[i] * unit;
-      high[i] = (float)scaled;
-      low[i] = (float)(scaled - (double)high[i]);
-    }
-  }
-}
-
 /* Even stripes come first: they clear their own force and the next stripe's, where they add. */
 static void force_of_stripe(void *context, int s)
 {
@@ -98,7 +78,7 @@ static void compute_force(sdr_bond_model *model, int commit, double *const u[3],
                      .f = f,
                      .dt = dt};
   sdr_bond_watch(model, u);
-  if (mixed) sdr_parallel_for(0, model->head.points->stripe_count, 1, split_stripe, &call);
+  if (mixed) sdr_bond_split(model, u, v, dt);
   sdr_each_stripe(model->head.points, force_of_stripe, &call);
   if (model->bonds->loose.chunk_count > 0)
     sdr_parallel_for(0, model->head.points->stripe_count, 1, force_of_loose_stripe, &call);
@@ -195,6 +175,7 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
   if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs * sizeof(sdr_flags)};
   if (body->loose_flags)
     blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose * sizeof(sdr_flags)};
+  if (body->mixed) blocks[n++] = (sdr_state_block){"bound", &bond->bound, sizeof bond->bound};
   blocks[n++] = (sdr_state_block){"moved", bond->moved, (size_t)model->points->stripe_count};
   if (bond->booked)
     blocks[n++] = (sdr_state_block){"booked", bond->booked,
@@ -247,10 +228,8 @@ static void destroy(sdr_model *model)
   sdr_free(bond->body.run_marked);
   sdr_free(bond->body.run_fresh);
   sdr_free(bond->body.chunk_fresh);
-  for (int a = 0; a < 3; ++a) {
-    sdr_free(bond->body.high[a]);
-    sdr_free(bond->body.low[a]);
-  }
+  for (int a = 0; a < 3; ++a) sdr_free(bond->body.place[a]);
+  sdr_free(bond->body.float_terms);
   sdr_free(bond->body.relative_stiffness);
   sdr_free(bond->body.float_threshold);
   sdr_free(bond->moved);
@@ -313,33 +292,6 @@ static sdr_status alloc_history(sdr_bond_model *model)
   return model->booked ? SDR_OK : SDR_RUN_FAILED;
 }
 
-static sdr_status set_mixed(sdr_bond_body *body)
-{
-  const sdr_points *points = body->points;
-  const size_t padded = sdr_points_padded(points);
-  int failed = 0;
-  for (int a = 0; a < points->components; ++a) {
-    failed |= !(body->high[a] = sdr_alloc(padded, sizeof(float)));
-    failed |= !(body->low[a] = sdr_alloc(padded, sizeof(float)));
-  }
-  if (body->stiffness_at) {
-    failed |= !(body->relative_stiffness = sdr_alloc(padded, sizeof(float)));
-    failed |= !(body->float_threshold = sdr_alloc(padded, sizeof(float)));
-  }
-  if (failed) return SDR_RUN_FAILED;
-  for (size_t i = 0; body->stiffness_at && i < padded; ++i) {
-    body->relative_stiffness[i] = (float)(body->stiffness_at[i] / body->stiffness);
-    body->float_threshold[i] = (float)body->threshold_at[i];
-  }
-  body->length_unit = points->lattice_spacing;
-  for (int c = 0; c < body->bonds->class_count; ++c)
-    body->force_unit = fmax(body->force_unit, body->bonds->classes[c].weight_ij * body->stiffness);
-  body->per_length_unit = 1.0 / body->length_unit;
-  body->stiffness_unit = body->stiffness * body->length_unit / body->force_unit;
-  body->mixed = 1;
-  return SDR_OK;
-}
-
 sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
                                  const sdr_families *families, const sdr_bond_based_how *how,
                                  sdr_model **out)
@@ -364,7 +316,7 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   if (status == SDR_OK) status = alloc_history(model);
   if (status == SDR_OK && how->mixed && !how->precise && bonds->run_count > 0 &&
       model->kernels->mixed_run_force[how->law][0][0])
-    status = set_mixed(&model->body);
+    status = sdr_bond_set_mixed(&model->body);
   if (status != SDR_OK) {
     destroy(&model->head);
     return status;

@@ -7,6 +7,11 @@
 
 #include <stddef.h>
 
+/* What the pairs of a class share, for float arithmetic (bond_mixed.c). */
+typedef struct {
+  float xi[3], inverse_square, wij, wji;
+} sdr_terms_float;
+
 /* Histories are indexed by slot. Which of them exist depends on the law: a stretch with those that
    soften (sdr_law_softens), flags with critical_stretch and, if some pair is cut, with none. The
    stretch is in `history` for implicit integrators (`precise`), in `stretch` for explicit ones. */
@@ -23,13 +28,15 @@ typedef struct {
   sdr_flags *flags, *loose_flags;  /* SDR_LOST_I ... */
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
-  /* precision mixed: displacements over length_unit as sums of two floats, C over `stiffness` and
-     q of each point (NULL: shared), and the unit of forces in float (N); per_length_unit is
-     1/length_unit, stiffness_unit is stiffness length_unit/force_unit */
+  /* precision mixed: displacements over length_unit as whole numbers modulo 2^32, C over
+     `stiffness` and q of each point (NULL: shared), and the unit of forces as whole numbers (N);
+     per_length_unit is 1/length_unit; stiffest: a bond's force is at most that times the distance
+     its ends moved apart, N/m */
   int mixed;
-  float *high[3], *low[3];
+  int32_t *place[3];
+  sdr_terms_float *float_terms; /* a class, in these units */
   float *relative_stiffness, *float_threshold;
-  double length_unit, force_unit, per_length_unit, stiffness_unit;
+  double length_unit, force_unit, per_length_unit, stiffest;
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
 } sdr_bond_body;
 
@@ -52,6 +59,9 @@ typedef void (*sdr_run_energies)(const sdr_bond_body *body, int64_t first, int64
 typedef void (*sdr_run_damage)(const sdr_bond_body *body, int64_t first, int64_t end,
                                double *const u[3], double *sum);
 
+/* Runs [first, end): the most that the places of a bond's ends differ in a component (mixed). */
+typedef int32_t (*sdr_run_apart)(const sdr_bond_body *body, int64_t first, int64_t end);
+
 /* The kernels of one instruction set. */
 typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
@@ -61,6 +71,7 @@ typedef struct {
   sdr_loose_force loose_force[SDR_LAW_COUNT][3][2][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
   sdr_run_damage run_damage[SDR_LAW_COUNT][3][2];
+  sdr_run_apart run_apart[3]; /* [components - 1] */
   /* f += K v with the tangent K of the reference shape, damage aside: [components - 1][moduli] */
   sdr_run_force run_reference[3][2];
 } sdr_bond_kernels;

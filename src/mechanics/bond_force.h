@@ -1,7 +1,7 @@
 /* Forces of runs in one kind of number, from bond_loop.h: SDR_REAL double or float, SDR_NAMED(x)
-   its names. In float displacements come as sums of two floats in units of the spacing (body->high,
-   body->low), so that their differences keep seven digits, and forces are in units of
-   body->force_unit; the sums over bonds stay double. */
+   its names. In float displacements come as whole numbers of a unit of length, so that their
+   differences are exact, and forces go into whole numbers of a unit of force (SDR_WHOLE), whose
+   sums are exact: what one end of a bond gets, the other loses. */
 
 /* Kinematics of a pair without cancellation (theory sec. 2): z = (2 xi.eta + eta^2)/xi^2,
    r = sqrt(1 + z) = l/|xi|, stretch s = z/(1 + r), force factor z/(r (1 + r)) = s/r. */
@@ -13,9 +13,10 @@ typedef struct {
    half a Newton step, which is exact there and does nothing elsewhere. */
 SDR_INLINE SDR_NAMED(sdr_stretch) SDR_NAMED(stretch_of)(SDR_REAL z)
 {
-  const SDR_REAL one = (SDR_REAL)1, half = (SDR_REAL)0.5, square = one + z;
-  /* l = 0: no direction, no force */
-  const SDR_REAL r = SDR_SQRT(square > SDR_SMALLEST ? square : SDR_SMALLEST);
+  const SDR_REAL one = (SDR_REAL)1, half = (SDR_REAL)0.5;
+  /* l = 0: no direction, no force. A sum instead of the larger of two, which gcc makes two ways of
+     computing all that follows. */
+  const SDR_REAL r = SDR_SQRT(SDR_ABS(one + z) + SDR_SMALLEST);
   const SDR_REAL rough = r - one, error = SDR_FMA(-rough, rough + (SDR_REAL)2, z);
   return (SDR_NAMED(sdr_stretch)){SDR_FMA(half, error, rough), r};
 }
@@ -73,24 +74,6 @@ SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(const int marked, sdr_flags before, 
   const sdr_flags grown = before | fresh | fresh << 2;
   if (marked) return before & SDR_PROTECTED ? before : grown;
   return grown;
-}
-
-/* What the pairs of a class share, in the kernel's units. */
-typedef struct {
-  SDR_REAL xi[3], inverse_square, wij, wji; /* weights over length */
-} SDR_NAMED(sdr_terms);
-
-SDR_INLINE SDR_NAMED(sdr_terms)
-    SDR_NAMED(terms_of)(const sdr_bond_body *body, const sdr_bond_class *class)
-{
-  const double unit = SDR_LENGTH_UNIT(body), per_unit = SDR_PER_LENGTH_UNIT(body);
-  const double stiff = SDR_STIFFNESS_UNIT(body);
-  return (SDR_NAMED(sdr_terms)){{(SDR_REAL)(class->xi[0] * per_unit),
-                                 (SDR_REAL)(class->xi[1] * per_unit),
-                                 (SDR_REAL)(class->xi[2] * per_unit)},
-                                (SDR_REAL)(unit * unit * class->inverse_square),
-                                (SDR_REAL)(class->by_length_ij * stiff),
-                                (SDR_REAL)(class->by_length_ji * stiff)};
 }
 
 /* How much further the end of pair k of a block moved than its start. */
@@ -177,24 +160,28 @@ SDR_INLINE int SDR_NAMED(whole_vectors)(const sdr_block *block)
 SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
                                           const int marked, const int commit,
                                           const sdr_bond_body *body, const sdr_block *block,
-                                          SDR_REAL *const F[3])
+                                          SDR_WHOLE *const F[3])
 {
   const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
   const int split = law != SDR_LAW_NONE, n = SDR_NAMED(whole_vectors)(block);
-  SDR_REAL *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
-  _Alignas(64) SDR_REAL Z[SDR_BLOCK], P[SDR_BLOCK];
+  SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
+  _Alignas(64) SDR_REAL Z[SDR_BLOCK], P[SDR_BLOCK], Y[3][SDR_BLOCK];
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
     const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
     const SDR_REAL z = SDR_NAMED(elongation)(components, &of, e);
-    SDR_REAL phi = (SDR_REAL)1;
-    if (split)
+    if (split) {
       Z[k] = z;
-    else
-      phi = SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z);
-    fx[k] = phi * (of.xi[0] + e.x);
-    if (components > 1) fy[k] = phi * (of.xi[1] + e.y);
-    if (components > 2) fz[k] = phi * (of.xi[2] + e.z);
+      Y[0][k] = of.xi[0] + e.x;
+      if (components > 1) Y[1][k] = of.xi[1] + e.y;
+      if (components > 2) Y[2][k] = of.xi[2] + e.z;
+    } else {
+      const SDR_REAL phi =
+          SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z);
+      fx[k] = (SDR_WHOLE)(phi * (of.xi[0] + e.x));
+      if (components > 1) fy[k] = (SDR_WHOLE)(phi * (of.xi[1] + e.y));
+      if (components > 2) fz[k] = (SDR_WHOLE)(phi * (of.xi[2] + e.z));
+    }
   }
   if (!split) return;
 #pragma omp simd
@@ -202,9 +189,9 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
     P[k] = SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, Z[k]);
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
-    fx[k] *= P[k];
-    if (components > 1) fy[k] *= P[k];
-    if (components > 2) fz[k] *= P[k];
+    fx[k] = (SDR_WHOLE)(P[k] * Y[0][k]);
+    if (components > 1) fy[k] = (SDR_WHOLE)(P[k] * Y[1][k]);
+    if (components > 2) fz[k] = (SDR_WHOLE)(P[k] * Y[2][k]);
   }
 }
 
@@ -214,33 +201,33 @@ typedef struct {
   int count;
   int64_t i[SDR_BAND], j[SDR_BAND]; /* of the first pair */
   int32_t length[SDR_BAND];
-  _Alignas(64) SDR_REAL force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
+  _Alignas(64) SDR_WHOLE force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
 } SDR_NAMED(sdr_band);
 
 /* f += unit times the sum of `count` forces: once for all runs of a band, since what costs most is
    to write to points that do not begin on a cache line. */
-static __attribute__((noinline)) void SDR_NAMED(add_up)(int count, const SDR_REAL *const force[],
+static __attribute__((noinline)) void SDR_NAMED(add_up)(int count, const SDR_WHOLE *const force[],
                                                         double unit, int32_t points, double *f)
 {
-  const SDR_REAL *const a = force[0], *const b = force[1], *const c = force[2];
-  const SDR_REAL *const d = force[3], *const e = force[4];
+  const SDR_WHOLE *const a = force[0], *const b = force[1], *const c = force[2];
+  const SDR_WHOLE *const d = force[3], *const e = force[4];
 #define SDR_ADD_UP(sum)                                                                            \
-  _Pragma("omp simd") for (int32_t k = 0; k < points; ++k) f[k] = SDR_SUM(unit, sum, f[k])
+  _Pragma("omp simd") for (int32_t k = 0; k < points; ++k) f[k] = SDR_SUM(unit, SDR_WIDE(sum), f[k])
   switch (count) {
   case 1:
-    SDR_ADD_UP((double)a[k]);
+    SDR_ADD_UP(a[k]);
     break;
   case 2:
-    SDR_ADD_UP((double)a[k] + (double)b[k]);
+    SDR_ADD_UP(a[k] + b[k]);
     break;
   case 3:
-    SDR_ADD_UP(((double)a[k] + (double)b[k]) + (double)c[k]);
+    SDR_ADD_UP((a[k] + b[k]) + c[k]);
     break;
   case 4:
-    SDR_ADD_UP(((double)a[k] + (double)b[k]) + ((double)c[k] + (double)d[k]));
+    SDR_ADD_UP((a[k] + b[k]) + (c[k] + d[k]));
     break;
   default:
-    SDR_ADD_UP(((double)a[k] + (double)b[k]) + ((double)c[k] + (double)d[k]) + (double)e[k]);
+    SDR_ADD_UP((a[k] + b[k]) + (c[k] + d[k]) + e[k]);
   }
 #undef SDR_ADD_UP
 }
@@ -255,7 +242,7 @@ SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * 
     high = first[c] + band->length[c] > high ? first[c] + band->length[c] : high;
   }
   for (int a = 0; a < components; ++a) {
-    const SDR_REAL *force[SDR_BAND] = {NULL};
+    const SDR_WHOLE *force[SDR_BAND] = {NULL};
     for (int c = 0; c < band->count; ++c)
       force[c] = band->force[c][a] + SDR_MARGIN - (first[c] - low);
     SDR_NAMED(add_up)(band->count, force, unit, (int32_t)(high - low), f[a] + low);
@@ -276,14 +263,14 @@ SDR_INLINE void SDR_NAMED(force_of_band)(const int components, const int law, co
     fetch_next(law, body, piece, r, end);
     if (block.count <= 0) continue;
     const int c = band->count++;
-    SDR_REAL *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
-                            band->force[c][2] + SDR_MARGIN};
+    SDR_WHOLE *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
+                             band->force[c][2] + SDR_MARGIN};
     if (body->run_marked && body->run_marked[r])
       SDR_NAMED(force_of_block)(components, law, each, 1, commit, body, &block, F);
     else
       SDR_NAMED(force_of_block)(components, law, each, 0, commit, body, &block, F);
     for (int a = 0; a < components; ++a)
-      memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_REAL));
+      memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_WHOLE));
     if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh_in(&block)) body->run_fresh[r] = 1;
     band->i[c] = block.i;
     band->j[c] = block.j;
@@ -300,7 +287,8 @@ SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, co
 {
   SDR_NAMED(sdr_band) band;
   for (int c = 0; c < SDR_BAND; ++c)
-    for (int a = 0; a < components; ++a) memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_REAL));
+    for (int a = 0; a < components; ++a)
+      memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_WHOLE));
   for (int64_t r = first; r < end;) {
     sdr_band_piece piece = {.run = r, .run_end = end};
     find_band(body->bonds->runs, &piece);

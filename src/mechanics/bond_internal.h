@@ -17,7 +17,12 @@ typedef struct {
       *family_volume; /* a point: sum of V_j over H_i, m^3; made when damage is first asked for */
   uint8_t *moved;     /* a stripe: 1 once some displacement in it was not zero */
   int keep_resting;   /* 1: compute resting stripes too (tests) */
-  double *booked;     /* a stripe: energy of bonds lost so far, J (critical_stretch) */
+  /* precision mixed, part of the state: no bond's ends have moved apart by more than `widest` (m),
+     measured `steps` steps ago; `unit` is the body's length_unit, 0 before the first step */
+  struct {
+    double widest, unit, steps;
+  } bound;
+  double *booked;             /* a stripe: energy of bonds lost so far, J (critical_stretch) */
   struct sdr_mean_kept *mean; /* of mean_keep; NULL: never asked */
 } sdr_bond_model;
 
@@ -66,6 +71,11 @@ void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *
 
 /* Flags for all slots, zero, where they are not there yet. */
 sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
+
+/* precision mixed: make what its kernels need; set places and units for the displacements u, to
+   which the velocities v led in a step of dt (0: the first). */
+sdr_status sdr_bond_set_mixed(sdr_bond_body *body);
+void sdr_bond_split(sdr_bond_model *model, double *const u[3], double *const v[3], double dt);
 
 /* Parts of the model in their own files. */
 sdr_status sdr_bond_set_constants(sdr_bond_body *body, const sdr_families *families,

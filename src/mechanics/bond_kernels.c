@@ -40,6 +40,11 @@
   {                                                                                                \
     damage_of_runs(n, code, each, body, first, end, u, sum);                                       \
   }
+#define SDR_APART(n)                                                                               \
+  static int32_t apart_##n(const sdr_bond_body *body, int64_t first, int64_t end)                  \
+  {                                                                                                \
+    return apart_of_runs(n, body, first, end);                                                     \
+  }
 #define SDR_REFERENCE(n, each)                                                                     \
   static void reference_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,           \
                                   double *const v[3], double *const f[3])                          \
@@ -70,6 +75,9 @@
 
 SDR_LAWS(SDR_EACH_DIMENSION)
 SDR_MIXED_LAWS(SDR_EACH_MIXED)
+SDR_APART(1)
+SDR_APART(2)
+SDR_APART(3)
 SDR_REFERENCE(1, 0)
 SDR_REFERENCE(1, 1)
 SDR_REFERENCE(2, 0)
@@ -109,5 +117,6 @@ const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
     .run_energies = {SDR_LAWS(SDR_ENERGIES_ROW)},
     .mixed_run_force = {SDR_MIXED_LAWS(SDR_MIXED_ROW)},
     .run_damage = {SDR_LAWS(SDR_DAMAGE_ROW)},
+    .run_apart = {apart_1, apart_2, apart_3},
     .run_reference = {
         {reference_10, reference_11}, {reference_20, reference_21}, {reference_30, reference_31}}};

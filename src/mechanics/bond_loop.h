@@ -35,7 +35,7 @@ typedef struct {
   const sdr_bond_class *class;
   const double *ui[3], *uj[3];
   int64_t i, j;
-  const float *high_i[3], *high_j[3], *low_i[3], *low_j[3]; /* mixed */
+  const int32_t *place_i[3], *place_j[3]; /* mixed */
   const double *ci_double, *cj_double, *qi_double, *qj_double;
   const double *ri, *rj; /* second constant of a law, where points have their own */
   const float *ci_float, *cj_float, *qi_float, *qj_float; /* mixed */
@@ -48,10 +48,8 @@ SDR_INLINE void mixed_block_at(const int components, const sdr_bond_body *body, 
                                int64_t j, sdr_block *block)
 {
   for (int a = 0; a < components; ++a) {
-    block->high_i[a] = body->high[a] + i;
-    block->high_j[a] = body->high[a] + j;
-    block->low_i[a] = body->low[a] + i;
-    block->low_j[a] = body->low[a] + j;
+    block->place_i[a] = body->place[a] + i;
+    block->place_j[a] = body->place[a] + j;
   }
   if (!body->relative_stiffness) return;
   block->ci_float = body->relative_stiffness + i;
@@ -177,46 +175,98 @@ SDR_INLINE int fresh_in(const sdr_block *block)
   return (fresh & (SDR_FRESH_I | SDR_FRESH_J)) != 0;
 }
 
+/* What the pairs of a class share: reference vector, 1/xi^2, weights over length. */
+typedef struct {
+  double xi[3], inverse_square, wij, wji;
+} sdr_terms_double;
+
+SDR_INLINE sdr_terms_double terms_of_double(const sdr_bond_body *body, const sdr_bond_class *class)
+{
+  (void)body;
+  return (sdr_terms_double){{class->xi[0], class->xi[1], class->xi[2]},
+                            class->inverse_square,
+                            class->by_length_ij,
+                            class->by_length_ji};
+}
+
+SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_bond_class *class)
+{
+  return body->float_terms[class - body->bonds->classes];
+}
+
 #define SDR_REAL double
+#define SDR_WHOLE double
+#define SDR_WIDE(sum) (sum)
 #define SDR_NAMED(name) name##_double
 #define SDR_SQRT sqrt
 #define SDR_SMALLEST 1e-200
+#define SDR_ABS fabs
 #define SDR_FMA SDR_FMA_double
 #define SDR_SUM(unit, sum, f) ((unit) * (sum) + (f))
-#define SDR_LENGTH_UNIT(body) ((void)(body), 1.0)
-#define SDR_PER_LENGTH_UNIT(body) ((void)(body), 1.0)
 #define SDR_FORCE_UNIT(body) ((void)(body), 1.0)
-#define SDR_STIFFNESS_UNIT(body) ((void)(body), 1.0)
 #define SDR_SHARED_STIFFNESS(body) ((body)->stiffness)
 #define SDR_DIFFERENCE(a) (block->uj[a][k] - block->ui[a][k])
 #include "mechanics/bond_force.h"
 #undef SDR_REAL
+#undef SDR_WHOLE
+#undef SDR_WIDE
 #undef SDR_NAMED
 #undef SDR_SQRT
 #undef SDR_SMALLEST
+#undef SDR_ABS
 #undef SDR_FMA
-#undef SDR_LENGTH_UNIT
-#undef SDR_PER_LENGTH_UNIT
 #undef SDR_FORCE_UNIT
-#undef SDR_STIFFNESS_UNIT
 #undef SDR_SHARED_STIFFNESS
 #undef SDR_DIFFERENCE
 
-/* A pair's force is C w (unit/|xi|) (s/r) ((xi + eta)/unit); with C w over stiffness/force units of
-   order one nothing in it leaves the range of float, whatever the units of the scene. */
+/* Lengths in whole units of body->length_unit, forces in those of body->force_unit, as
+   bond_mixed.c chooses them. A pair's force is C w (unit/|xi|) (s/r) ((xi + eta)/unit). */
 #define SDR_REAL float
+#define SDR_WHOLE int32_t
+#define SDR_WIDE(sum) ((double)(sum))
 #define SDR_NAMED(name) name##_float
 #define SDR_SQRT sqrtf
 #define SDR_SMALLEST 1e-30f
+#define SDR_ABS fabsf
 #define SDR_FMA SDR_FMA_float
-#define SDR_LENGTH_UNIT(body) ((body)->length_unit)
-#define SDR_PER_LENGTH_UNIT(body) ((body)->per_length_unit)
 #define SDR_FORCE_UNIT(body) ((body)->force_unit)
-#define SDR_STIFFNESS_UNIT(body) ((body)->stiffness_unit)
 #define SDR_SHARED_STIFFNESS(body) ((void)(body), 1.0)
 #define SDR_DIFFERENCE(a)                                                                          \
-  ((block->high_j[a][k] - block->high_i[a][k]) + (block->low_j[a][k] - block->low_i[a][k]))
+  ((float)(int32_t)((uint32_t)block->place_j[a][k] - (uint32_t)block->place_i[a][k]))
 #include "mechanics/bond_force.h"
+
+enum { SDR_PLACES = 16 }; /* whole numbers that are looked at together */
+
+/* most[lane] takes in how far the places of SDR_PLACES pairs differ. */
+SDR_INLINE void widen(const int32_t *from, const int32_t *to, int32_t most[SDR_PLACES])
+{
+#pragma omp simd
+  for (int lane = 0; lane < SDR_PLACES; ++lane) {
+    const int32_t apart = (int32_t)((uint32_t)to[lane] - (uint32_t)from[lane]);
+    const int32_t amount = apart < 0 ? ~apart : apart;
+    most[lane] = amount > most[lane] ? amount : most[lane];
+  }
+}
+
+/* The most that the places of a bond's ends differ in one component. A run's last pairs are looked
+   at twice; of runs that are too short for that, whatever follows them as well. */
+SDR_INLINE int32_t apart_of_runs(const int components, const sdr_bond_body *body, int64_t first,
+                                 int64_t end)
+{
+  _Alignas(64) int32_t most[SDR_PLACES] = {0};
+  int32_t all = 0;
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    const int32_t last = run->length > SDR_PLACES ? run->length - SDR_PLACES : 0;
+    for (int a = 0; a < components; ++a) {
+      const int32_t *const from = body->place[a] + run->i0, *const to = body->place[a] + run->j0;
+      for (int32_t k = 0; k < last; k += SDR_PLACES) widen(from + k, to + k, most);
+      widen(from + last, to + last, most);
+    }
+  }
+  for (int lane = 0; lane < SDR_PLACES; ++lane) all = most[lane] > all ? most[lane] : all;
+  return all;
+}
 
 /* ---- the reference tangent, for the stable step ---------------------------------------------- */
 
