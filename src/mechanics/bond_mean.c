@@ -10,6 +10,7 @@
 
 struct sdr_mean_kept {
   double *run_g, *run_h, *loose_g, *loose_h;
+  double *block[9]; /* components^2 numbers a point: its diagonal block */
 };
 
 static const sdr_mean_kernels *best(void)
@@ -32,6 +33,7 @@ void sdr_mean_kept_destroy(sdr_mean_kept **kept)
   sdr_free(k->run_h);
   sdr_free(k->loose_g);
   sdr_free(k->loose_h);
+  for (int c = 0; c < 9; ++c) sdr_free(k->block[c]);
   sdr_free(k);
   *kept = NULL;
 }
@@ -47,7 +49,10 @@ static sdr_status make_kept(sdr_bond_model *model)
   kept->run_h = sdr_alloc(runs, sizeof(double));
   kept->loose_g = sdr_alloc(loose, sizeof(double));
   kept->loose_h = sdr_alloc(loose, sizeof(double));
-  if (!kept->run_g || !kept->run_h || !kept->loose_g || !kept->loose_h) {
+  int failed = !kept->run_g || !kept->run_h || !kept->loose_g || !kept->loose_h;
+  for (int c = 0; c < model->head.points->components * model->head.points->components; ++c)
+    failed |= !(kept->block[c] = sdr_alloc(sdr_points_padded(model->head.points), sizeof(double)));
+  if (failed) {
     sdr_mean_kept_destroy(&kept);
     return SDR_RUN_FAILED;
   }
@@ -150,7 +155,6 @@ void sdr_bond_mean_times(sdr_model *model, double *const u0[3], double *const u1
 typedef struct {
   const sdr_bond_model *model;
   double *const *u0, *const *u1;
-  double *diagonal;
   sdr_hessian_visitor visit;
   void *context;
 } block_call;
@@ -170,35 +174,43 @@ static void fill_block(const block_call *call, const sdr_pair *pair, double g, d
     for (int c = 0; c < m; ++c) block[r * m + c] = (r == c ? g : 0.0) + h * sum[r] * now[c];
 }
 
-static void diagonal_of_pair(void *context, const sdr_pair *pair)
+/* Of a loose slot, to its own point: the other has a slot as well. */
+static void diagonal_of_slot(void *context, const sdr_pair *pair)
 {
   const block_call *call = context;
   const sdr_mean_kept *kept = call->model->mean;
   const int m = call->model->head.points->components;
   double block[9];
-  const double g = (pair->loose ? kept->loose_g : kept->run_g)[pair->slot];
-  const double h = (pair->loose ? kept->loose_h : kept->run_h)[pair->slot];
-  fill_block(call, pair, g, h, block);
-  double *const i = call->diagonal + (size_t)pair->i * (size_t)(m * m);
-  double *const j = call->diagonal + (size_t)pair->j * (size_t)(m * m);
-  for (int k = 0; k < m * m; ++k) i[k] += block[k];
-  if (pair->loose) return; /* j has a slot of its own */
-  for (int k = 0; k < m * m; ++k) j[k] += block[k];
+  if (!pair->loose) return;
+  fill_block(call, pair, kept->loose_g[pair->slot], kept->loose_h[pair->slot], block);
+  for (int c = 0; c < m * m; ++c) kept->block[c][pair->i] += block[c];
 }
 
-static void diagonal_of_stripe(void *context, int s)
+static void loose_diagonal_of_stripe(void *context, int s)
 {
   const block_call *call = context;
-  sdr_bonds_visit_stripe(call->model->bonds, call->model->head.points, s, diagonal_of_pair,
-                         context);
+  const int32_t *first = call->model->head.points->stripe_first;
+  for (int32_t i = first[s]; i < first[s + 1]; ++i)
+    sdr_bonds_visit_loose_point(call->model->bonds, i, diagonal_of_slot, context);
 }
 
 void sdr_bond_mean_diagonal(sdr_model *model, double *const u0[3], double *const u1[3], double *out)
 {
-  const size_t m = (size_t)model->points->components;
-  block_call call = {.model = (const sdr_bond_model *)model, .u0 = u0, .u1 = u1, .diagonal = out};
-  memset(out, 0, (size_t)model->points->count * m * m * sizeof *out);
-  sdr_each_stripe(model->points, diagonal_of_stripe, &call);
+  const sdr_bond_model *bond = (const sdr_bond_model *)model;
+  const sdr_points *points = model->points;
+  const sdr_mean_kept *kept = bond->mean;
+  const int m = points->components;
+  mean_call call = {
+      .model = bond,
+      .runs = best()->run_diagonal[m - 1],
+      .step = {.u0 = u0, .u1 = u1, .out = kept->block, .run_g = kept->run_g, .run_h = kept->run_h}};
+  block_call slots = {.model = bond, .u0 = u0, .u1 = u1};
+  for (int c = 0; c < m * m; ++c) memset(kept->block[c], 0, (size_t)points->count * sizeof(double));
+  sdr_each_stripe(points, runs_of_stripe, &call);
+  if (bond->bonds->loose.chunk_count > 0)
+    sdr_parallel_for(0, points->stripe_count, 1, loose_diagonal_of_stripe, &slots);
+  for (int32_t i = 0; i < points->count; ++i)
+    for (int c = 0; c < m * m; ++c) out[i * (m * m) + c] = kept->block[c][i];
 }
 
 static void pair_constants(const sdr_bond_body *body, const sdr_pair *pair, sdr_mean_pair *out)

@@ -10,7 +10,7 @@
 typedef struct {
   double *const *u0, *const *u1; /* m */
   double *const *v;              /* of a product with the tangent, else unused */
-  double *const *out;            /* N */
+  double *const *out;            /* N; of diagonal blocks components^2 arrays, N/m */
   double *run_g, *run_h;         /* a slot of runs: g (N/m) and h (N/m^3); NULL: not kept */
   double *loose_g, *loose_h;     /* a loose slot */
 } sdr_mean_step;
@@ -22,7 +22,7 @@ typedef void (*sdr_mean_kernel)(const sdr_bond_body *body, int64_t first, int64_
 typedef struct {
   /* [law][components - 1][moduli a point: 1, shared: 0][g and h kept] */
   sdr_mean_kernel run_force[SDR_LAW_COUNT][3][2][2], loose_force[SDR_LAW_COUNT][3][2][2];
-  sdr_mean_kernel run_times[3], loose_times[3]; /* [components - 1] */
+  sdr_mean_kernel run_times[3], loose_times[3], run_diagonal[3]; /* [components - 1] */
 } sdr_mean_kernels;
 
 extern const sdr_mean_kernels sdr_mean_kernels_baseline;

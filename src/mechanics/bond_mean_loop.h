@@ -183,6 +183,58 @@ SDR_INLINE void mean_times_of_runs(const int components, const sdr_bond_body *bo
   }
 }
 
+/* One row of the pair's tangent, g e_r + h (y0 + y1)_r y1, into F. */
+SDR_INLINE void mean_row(const int components, const int row, const sdr_mean_block *b,
+                         double F[3][SDR_PRECISE_BLOCK])
+{
+  const sdr_bond_class *class = b->now.class;
+  const sdr_precise_vector xi = {class->xi[0], class->xi[1], class->xi[2]};
+  const double *const restrict g = b->g, *const restrict h = b->h;
+  double *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
+#pragma omp simd
+  for (int k = 0; k < b->now.count; ++k) {
+    const sdr_precise_vector e0 = precise_motion(components, &b->before, k);
+    const sdr_precise_vector e1 = precise_motion(components, &b->now, k);
+    const double sum = row == 0   ? 2.0 * xi.x + e0.x + e1.x
+                       : row == 1 ? 2.0 * xi.y + e0.y + e1.y
+                                  : 2.0 * xi.z + e0.z + e1.z;
+    const double along = h[k] * sum;
+    fx[k] = (row == 0 ? g[k] : 0.0) + along * (xi.x + e1.x);
+    if (components > 1) fy[k] = (row == 1 ? g[k] : 0.0) + along * (xi.y + e1.y);
+    if (components > 2) fz[k] = (row == 2 ? g[k] : 0.0) + along * (xi.z + e1.z);
+  }
+}
+
+/* To both points: the block of either is the same. */
+SDR_INLINE void mean_add_row(const int components, const sdr_mean_block *b,
+                             double F[3][SDR_PRECISE_BLOCK], double *const *row)
+{
+  for (int a = 0; a < components; ++a) {
+    double *const i = row[a] + b->now.i, *const j = row[a] + b->now.j;
+    const double *const value = F[a];
+#pragma omp simd
+    for (int k = 0; k < b->now.count; ++k) i[k] += value[k];
+#pragma omp simd
+    for (int k = 0; k < b->now.count; ++k) j[k] += value[k];
+  }
+}
+
+SDR_INLINE void mean_diagonal_of_runs(const int components, const sdr_bond_body *body,
+                                      int64_t first, int64_t end, const sdr_mean_step *step)
+{
+  _Alignas(64) double F[3][SDR_PRECISE_BLOCK];
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    for (int32_t start = 0; start < run->length; start += SDR_PRECISE_BLOCK) {
+      const sdr_mean_block b = mean_block(components, body, run, start, step);
+      for (int row = 0; row < components; ++row) {
+        mean_row(components, row, &b, F);
+        mean_add_row(components, &b, F, step->out + row * components);
+      }
+    }
+  }
+}
+
 /* ---- loose pairs ----------------------------------------------------------------------------- */
 
 SDR_INLINE sdr_precise_vector loose_motion(const int components, double *const u[3], int64_t i,

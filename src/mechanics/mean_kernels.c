@@ -34,6 +34,11 @@
   {                                                                                                \
     mean_times_of_runs(n, body, first, end, step);                                                 \
   }                                                                                                \
+  static void diagonal_##n(const sdr_bond_body *body, int64_t first, int64_t end,                  \
+                           const sdr_mean_step *step)                                              \
+  {                                                                                                \
+    mean_diagonal_of_runs(n, body, first, end, step);                                              \
+  }                                                                                                \
   static void loose_times_##n(const sdr_bond_body *body, int64_t first, int64_t end,               \
                               const sdr_mean_step *step)                                           \
   {                                                                                                \
@@ -62,4 +67,5 @@ const sdr_mean_kernels SDR_JOIN(sdr_mean_kernels_, SDR_ISA) = {
     .run_force = {SDR_LAWS(SDR_MEAN_FORCE_ROW)},
     .loose_force = {SDR_LAWS(SDR_MEAN_LOOSE_ROW)},
     .run_times = {times_1, times_2, times_3},
+    .run_diagonal = {diagonal_1, diagonal_2, diagonal_3},
     .loose_times = {loose_times_1, loose_times_2, loose_times_3}};

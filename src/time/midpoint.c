@@ -124,7 +124,7 @@ static leftover sum_up(sdr_midpoint *m, double h, double inertia)
     const double mass = inertia * implicit->mass[r], straight = h * m->velocity[r];
     const double own = mass * (m->way[r] - straight);
     const double most = mass * (fabs(m->way[r]) + fabs(straight)) +
-                        0.25 * m->stiffness[r] * fabs(m->start[r] + m->way[r]);
+                        0.2 * m->stiffness[r] * fabs(m->start[r] + m->way[r]);
     m->scratch[r] = m->internal[r] + implicit->load[r] - own;
     if (implicit->held[r]) continue;
     kick += own * own;
@@ -150,7 +150,7 @@ static sdr_status evaluate(sdr_midpoint *m, double h, leftover *left)
 
 static int is_small(const sdr_midpoint *m, const leftover *left)
 {
-  return left->size <= m->tolerance * left->terms || left->size <= 4.0 * left->floor;
+  return left->size <= m->tolerance * left->terms || left->size <= left->floor;
 }
 
 /* ---- first guess ----------------------------------------------------------------------------- */
@@ -195,7 +195,7 @@ static sdr_status choose_guess(sdr_midpoint *m, double h, leftover *left)
 
 /* ---- Newton ---------------------------------------------------------------------------------- */
 
-enum { MOST_NEWTON = 15, MOST_HALVINGS = 3, MOST_RISES = 1, FEW_NEWTON = 6 };
+enum { MOST_NEWTON = 15, MOST_HALVINGS = 3, MOST_RISES = 1, FEW_NEWTON = 6, ROUNDING = 20 };
 
 static sdr_status go_part(sdr_midpoint *m, double h, double part, leftover *left)
 {
@@ -218,15 +218,17 @@ static sdr_status go(sdr_midpoint *m, double h, leftover *left, int *rises)
     SDR_TRY(go_part(m, h, part, left));
     if (left->size < (1.0 - 1e-3 * part) * before || is_small(m, left)) return SDR_OK;
   }
+  SDR_TRY(go_part(m, h, 1.0, left));
+  if (left->size <= ROUNDING * left->floor) left->floor = left->size; /* rounding is all there is */
   ++*rises;
-  return go_part(m, h, 1.0, left);
+  return SDR_OK;
 }
 
 /* How exactly the next direction is worth finding. */
 static double aim(const sdr_midpoint *m, const leftover *left)
 {
   const double share = left->size / left->terms;
-  const double enough = 0.2 * fmax(m->tolerance, 2.0 * left->floor / left->terms) / share;
+  const double enough = 0.05 * fmax(m->tolerance, left->floor / left->terms) / share;
   return fmin(0.5, fmax(enough, fmin(0.01, share)));
 }
 
