@@ -9,6 +9,7 @@
 #include "damage/laws.h"
 #include "output/ledger.h"
 #include "output/measures.h"
+#include "time/tolerances.h"
 
 #include <math.h>
 
@@ -57,9 +58,24 @@ static sdr_status print_static(const sdr_built *built, FILE *out)
   return SDR_OK;
 }
 
+/* Of integrators that choose their steps and hold their error. */
+static sdr_status print_adaptive(const sdr_built *built, FILE *out)
+{
+  sdr_tolerances tolerances;
+  SDR_TRY(sdr_tolerances_choose(built->system, built->stable_step, &tolerances));
+  fprintf(out, "stable step         %.5g us; steps are chosen, at most %.5g us long, to %g us\n",
+          built->stable_step * 1e6, built->step * 1e6, built->scene->time.end * 1e6);
+  fprintf(out, "tolerances          %g of a value and %.4g m, %.4g m/s\n", tolerances.relative,
+          tolerances.displacement, tolerances.velocity);
+  if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
+  return SDR_OK;
+}
+
 static sdr_status print_step(const sdr_built *built, FILE *out)
 {
   if (built->integrator->is_static) return print_static(built, out);
+  if (built->integrator == &sdr_cvode || built->integrator == &sdr_ida)
+    return print_adaptive(built, out);
   fprintf(out, "stable step         %.5g us; step %.5g us (%.3g of it), %lld steps to %g us\n",
           built->stable_step * 1e6, built->step * 1e6, built->step / built->stable_step,
           (long long)built->steps, built->scene->time.end * 1e6);

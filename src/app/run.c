@@ -236,6 +236,33 @@ static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE
           s->wall_total, solve->assemble_seconds, solve->factor_seconds, solve->solve_seconds);
 }
 
+/* How a method that chooses its steps came through. */
+static void print_method(const sdr_method_record *m, FILE *out)
+{
+  if (!m->name) return;
+  fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n",
+          m->name, (long long)m->evaluations, (long long)m->iterations, m->order);
+  if (m->solver)
+    fprintf(out, "linear solver       %s: %lld tangents, %lld factors, %lld iterations\n",
+            m->solver, (long long)m->tangents, (long long)m->factors,
+            (long long)m->linear_iterations);
+  fprintf(out, "steps taken back    %lld for their error, %lld for the iteration\n",
+          (long long)m->error_failures, (long long)m->iteration_failures);
+}
+
+/* How a method that chooses its steps came through. */
+static void print_method(const sdr_method_record *m, FILE *out)
+{
+  if (!m->name) return;
+  fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n", m->name,
+          (long long)m->evaluations, (long long)m->iterations, m->order);
+  if (m->solver)
+    fprintf(out, "linear solver       %s: %lld tangents, %lld factors, %lld iterations\n", m->solver,
+            (long long)m->tangents, (long long)m->factors, (long long)m->linear_iterations);
+  fprintf(out, "steps taken back    %lld for their error, %lld for the iteration\n",
+          (long long)m->error_failures, (long long)m->iteration_failures);
+}
+
 static void print_results(const run *r, const sdr_summary *s, const sdr_ring_counts *ring,
                           FILE *out)
 {
@@ -254,6 +281,7 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
   fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
           s->books.imbalance_relative, s->books.imbalance_largest);
+  print_method(&r->built.system->method, out);
   print_time(s, &r->built.system->solve, out);
   sdr_figures_print(s, out);
   fprintf(out, "results             %s\n", r->directory);
@@ -300,7 +328,8 @@ static sdr_status summarise(run *r, FILE *out)
                          .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
                          .skipped = built->skipped,
                          .skipped_count = built->skipped_count,
-                         .solve = &built->system->solve};
+                         .solve = &built->system->solve,
+                         .method = &built->system->method};
   SDR_TRY(damage_of_points(r, &summary));
   SDR_TRY(find_pieces(r, &summary, &ring));
   SDR_TRY(sdr_figures_measured(built->scene, &summary, &ring, r->measures, &measured,

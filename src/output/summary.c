@@ -146,12 +146,31 @@ static void put_solve(sdr_record *r, const sdr_solve_record *solve)
   sdr_record_whole(r, "fallbacks", solve->fallbacks);
 }
 
+static void put_method(sdr_record *r, const sdr_method_record *method)
+{
+  sdr_record_text(r, "method", method->name);
+  sdr_record_text(r, "name", method->solver);
+  sdr_record_whole(r, "unknowns", method->unknowns);
+  sdr_record_whole(r, "steps", method->steps);
+  sdr_record_whole(r, "force_evaluations", method->evaluations);
+  sdr_record_whole(r, "newton_iterations", method->iterations);
+  sdr_record_whole(r, "iterations", method->linear_iterations);
+  sdr_record_whole(r, "error_test_failures", method->error_failures);
+  sdr_record_whole(r, "newton_failures", method->iteration_failures);
+  sdr_record_whole(r, "tangents", method->tangents);
+  sdr_record_whole(r, "factorisations", method->factors);
+  sdr_record_whole(r, "order", method->order);
+  sdr_record_real(r, "last_step", method->last_step);
+  sdr_record_real(r, "residual", method->residual);
+}
+
 static void put_solver(sdr_record *r, const sdr_summary *s)
 {
   sdr_record solver = sdr_record_begin();
   sdr_record_real(&solver, "stable_step", s->stable_step);
   sdr_record_text(&solver, "instruction_set", s->instruction_set);
   if (s->solve && s->solve->name) put_solve(&solver, s->solve);
+  if (s->method && s->method->name) put_method(&solver, s->method);
   sdr_record_part(r, "solver", solver);
 
   json_t *skipped = json_array();

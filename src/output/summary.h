@@ -37,6 +37,7 @@ typedef struct {
   double wall_setup, wall_integrate, wall_output, wall_total; /* s */
   double stable_step;                                         /* s; NAN: not looked for */
   const sdr_solve_record *solve;           /* of linear equations; NULL, or name NULL: none were */
+  const sdr_method_record *method;         /* likewise of integrators that choose their steps */
   const sdr_material_constants *constants; /* of the first material; NULL: bond-based */
   sdr_books books;
   double onset_time;              /* NAN: never */

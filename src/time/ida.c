@@ -267,24 +267,17 @@ static sdr_status find_viscosity(sdr_ida_work *w)
   return status;
 }
 
-static int has_mass(const sdr_system *system)
-{
-  for (int32_t i = 0; i < system->count; ++i)
-    if (sdr_in_body(system->model->points, i) && !(system->mass[i] > 0.0)) return 0;
-  return 1;
-}
-
 static sdr_status create(sdr_system *system, double dt, sdr_ida_work **out)
 {
   sdr_ida_work *w = sdr_alloc(1, sizeof *w);
   if (!w) return SDR_RUN_FAILED;
-  double stable = 0.1 * system->how->end; /* nothing swings: displacements tell the scale */
+  double stable = 0.0;
   w->system = system;
   w->longest = dt;
   w->full = sdr_alloc((size_t)(system->count * system->components), sizeof(double));
   sdr_status status = w->full ? SDR_OK : SDR_RUN_FAILED;
-  w->has_mass = has_mass(system);
-  if (status == SDR_OK && w->has_mass) status = sdr_stable_step(system, &stable);
+  if (status == SDR_OK) status = sdr_stable_step(system, &stable);
+  w->has_mass = !isnan(stable);
   if (status == SDR_OK) status = sdr_tolerances_choose(system, stable, &w->tolerances);
   if (status == SDR_OK) status = find_viscosity(w);
   if (status == SDR_OK) status = sdr_motion_create(system, &w->motion);

@@ -52,6 +52,7 @@ static sdr_status scale_of_supports(sdr_system *system, double t, double since, 
 sdr_status sdr_tolerances_choose(sdr_system *system, double stable_step, sdr_tolerances *out)
 {
   const sdr_time_scene *how = system->how;
+  if (isnan(stable_step)) stable_step = 0.1 * how->end;
   const double half_step = 0.5 * stable_step, apart = how->end / MOMENTS;
   double velocity = scale_of_start(system, half_step);
   for (int n = 0; n <= MOMENTS; ++n) {

@@ -14,7 +14,8 @@ typedef struct {
    motion. That of velocities is the largest of the start, of the supports, and of what forces in 32
    moments of the run and the start's own give their points within half a stable step; that of
    displacements the way at it within 1.5 stable steps, a wave's time through a horizon. In a scene
-   where nothing moves both are tiny and not 0. Uses the system's f as scratch. */
+   where nothing moves both are tiny and not 0. Without masses (stable_step NAN) a tenth of the run
+   takes the place of that step: displacements tell the scale. Uses the system's f as scratch. */
 sdr_status sdr_tolerances_choose(sdr_system *system, double stable_step, sdr_tolerances *out);
 
 #endif
