@@ -240,20 +240,6 @@ static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE
 static void print_method(const sdr_method_record *m, FILE *out)
 {
   if (!m->name) return;
-  fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n",
-          m->name, (long long)m->evaluations, (long long)m->iterations, m->order);
-  if (m->solver)
-    fprintf(out, "linear solver       %s: %lld tangents, %lld factors, %lld iterations\n",
-            m->solver, (long long)m->tangents, (long long)m->factors,
-            (long long)m->linear_iterations);
-  fprintf(out, "steps taken back    %lld for their error, %lld for the iteration\n",
-          (long long)m->error_failures, (long long)m->iteration_failures);
-}
-
-/* How a method that chooses its steps came through. */
-static void print_method(const sdr_method_record *m, FILE *out)
-{
-  if (!m->name) return;
   fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n", m->name,
           (long long)m->evaluations, (long long)m->iterations, m->order);
   if (m->solver)
