@@ -67,6 +67,11 @@ static sdr_status make_lists(sdr_nonordinary_model *model)
 
 /* ---- one family ------------------------------------------------------------------------------ */
 
+/* z, f (or n), z.f/f.f and dh/dp of a member. */
+typedef struct {
+  double z[3], f[3], p[3], square, share;
+} bond_state;
+
 /* A point at u. */
 typedef struct {
   int n, count, finite;
@@ -75,12 +80,8 @@ typedef struct {
   double shear, normal, intact, intact_slope; /* (1-d)^2, and its slope by psi+ where d grows */
   double *weight;                             /* count: W, 0 of lost bonds */
   double *eta;                                /* 3 count */
+  bond_state *bond;                           /* count */
 } family;
-
-/* z, f (or n), z.f/f.f and dh/dp of member k. */
-typedef struct {
-  double z[3], f[3], p[3], square, share;
-} bond_state;
 
 static void multiply(int n, const double *a, const double *b, double *out)
 {
@@ -180,7 +181,7 @@ static void set_state(const sdr_nonordinary_model *model, int32_t i, family *at)
   sdr_point_stress stress;
   memset(at->s, 0, sizeof at->s);
   for (int k = 0; k < at->count; ++k) {
-    const bond_state b = bond_of(at, k);
+    const bond_state b = at->bond[k] = bond_of(at, k);
     double h[3];
     by_gradient(at, &b, h);
     for (int a = 0; a < n; ++a) {
@@ -216,7 +217,7 @@ static void family_change(const family *at, const double *deta, double *dt)
         m[n * a + b] += at->weight[k] * deta[3 * k + a] * at->member[k].xi[b];
   multiply(n, m, at->inverse, g);
   for (int k = 0; k < at->count; ++k) {
-    const bond_state b = bond_of(at, k);
+    const bond_state b = at->bond[k];
     const double *const de = deta + 3 * (size_t)k, w = at->weight[k];
     double dp[3] = {0.0}, by_eta[3], by_p[3];
     for (int a = 0; a < n; ++a)
@@ -240,7 +241,7 @@ static void family_change(const family *at, const double *deta, double *dt)
     sum[r] += softer * (at->volume * at->p_plus[r] + at->normal * at->s[r]);
   multiply(n, sum, at->inverse, a_change);
   for (int k = 0; k < at->count; ++k) {
-    const bond_state b = bond_of(at, k);
+    const bond_state b = at->bond[k];
     for (int a = 0; a < n; ++a) {
       double t = softer * (at->shear * b.z[a] + at->normal * b.share * b.f[a]);
       for (int c = 0; c < n; ++c) t += a_change[n * a + c] * at->member[k].xi[c];
@@ -251,15 +252,18 @@ static void family_change(const family *at, const double *deta, double *dt)
 
 /* ---- work space ------------------------------------------------------------------------------ */
 
-/* For the largest family: weights, eta, d eta, d T. */
+/* For the largest family: weights, eta, d eta, d T, states of bonds. */
+enum { SPACE = 10 + sizeof(bond_state) / sizeof(double) };
+
 static double *family_space(const sdr_nonordinary_model *model, int copies)
 {
-  return sdr_alloc((size_t)copies * 10 * (size_t)(model->most + 1), sizeof(double));
+  return sdr_alloc((size_t)copies * SPACE * (size_t)(model->most + 1), sizeof(double));
 }
 
 static family family_at(const sdr_nonordinary_model *model, double *space)
 {
-  return (family){.weight = space, .eta = space + model->most + 1};
+  const size_t size = (size_t)model->most + 1;
+  return (family){.weight = space, .eta = space + size, .bond = (bond_state *)(space + 10 * size)};
 }
 
 /* ---- tangent times a vector ------------------------------------------------------------------ */
@@ -294,7 +298,7 @@ static void tangent_of_stripe(void *context, int s)
 {
   const tangent_call *call = context;
   const int32_t *stripe = call->model->state.head.points->stripe_first;
-  const size_t size = 10 * ((size_t)call->model->most + 1);
+  const size_t size = SPACE * ((size_t)call->model->most + 1);
   for (int32_t i = stripe[s]; i < stripe[s + 1]; ++i)
     tangent_of_point(call, i, call->space + (size_t)s * size);
 }
@@ -335,6 +339,7 @@ static void set_secant(const sdr_nonordinary_model *model, int32_t i, family *at
   memset(at->p_plus, 0, sizeof at->p_plus);
   sdr_stress_tangent(n, SDR_LINEAR, SDR_SPLIT_WHOLE, &moduli, at->gradient, at->tangent, minus);
   for (int k = 0; k < n * n * n * n; ++k) at->tangent[k] *= at->intact;
+  for (int k = 0; k < at->count; ++k) at->bond[k] = bond_of(at, k);
 }
 
 /* The Hessian of one family's energy by the displacements of the owner, then of the members. */
