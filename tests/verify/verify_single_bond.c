@@ -78,6 +78,52 @@ static void pulling_apart_takes_w_c_and_leaves_it_dissipated(void **state)
   body_destroy(&b);
 }
 
+/* Strength and toughness of the other laws that soften: peak force (over C s_c) and where, and the
+   work of pulling to 100 s_c over w_c. */
+static void peak_and_work_of_at1_and_cohesive(void **state)
+{
+  (void)state;
+  static const struct {
+    sdr_law law;
+    double work;
+  } cases[] = {{SDR_LAW_AT1, 1.0 - 1.0 / 4e4}, {SDR_LAW_COHESIVE, 1.0}};
+  for (int k = 0; k < 2; ++k) {
+    const double s_c = 0.01;
+    body b = single_bond(cases[k].law, s_c, 0.0);
+    const double v = b.points->volume[0], c = 2.0 * body_micromodulus(&b, 0) * v * v;
+    const double at = k ? body_threshold(&b, 0) : s_c / sqrt(2.0);
+    const double whole = 0.5 * c * body_spacing * s_c * s_c, taken = work(&b, 0.0, 100.0 * s_c);
+    const sdr_energies e = commit_at(&b, 100.0 * s_c);
+    assert_near(taken / whole, cases[k].work, 1e-6);
+    assert_near((e.stored + e.dissipated) / whole, cases[k].work, 1e-6);
+    body_destroy(&b);
+    b = single_bond(cases[k].law, s_c, 0.0);
+    double peak = 0.0;
+    for (int n = 1; n <= 4000; ++n) peak = fmax(peak, force_at(&b, at * n / 2000.0));
+    assert_near(peak, c * at, 1e-5 * peak);
+    assert_near(force_at(&b, at), peak, 1e-6 * peak);
+    body_destroy(&b);
+  }
+}
+
+/* The bond is gone where the second line ends, and with it all that it stored. */
+static void a_cohesive_bond_is_lost_at_x_f(void **state)
+{
+  (void)state;
+  body b = single_bond(SDR_LAW_COHESIVE, 0.01, 0.0);
+  const double s_e = body_threshold(&b, 0), a = 1e-4 / (s_e * s_e);
+  const double last = (1.0 + (a - 1.25) / 0.5) * s_e, peak = force_at(&b, s_e);
+  assert_near(force_at(&b, 1.25 * s_e), 0.5 * peak, 1e-6 * peak);
+  assert_near(force_at(&b, 0.999 * last), 0.5 * peak * 0.001 * last / (last - 1.25 * s_e),
+              1e-6 * peak);
+  assert_near(force_at(&b, 1.001 * last), 0.0, 0.0);
+  const sdr_energies e = commit_at(&b, 1.001 * last);
+  assert_near(e.stored, 0.0, 0.0);
+  assert_near(e.max_damage, 1.0, 0.0);
+  assert_near(force_at(&b, 0.5 * last), 0.0, 0.0);
+  body_destroy(&b);
+}
+
 static void work_equals_energy_all_along(void **state)
 {
   (void)state;
@@ -224,6 +270,8 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pulling_apart_takes_w_c_and_leaves_it_dissipated),
+      cmocka_unit_test(peak_and_work_of_at1_and_cohesive),
+      cmocka_unit_test(a_cohesive_bond_is_lost_at_x_f),
       cmocka_unit_test(work_equals_energy_all_along),
       cmocka_unit_test(the_peak_is_0_325_c_s_c_at_s_c_over_root_3),
       cmocka_unit_test(damage_is_k2_over_k2_plus_s_c2),
