@@ -1,7 +1,7 @@
 /* The force is minus the gradient of stored + dissipated energy, and the tangent the gradient of
    the force: for every law, dimension and form of storage. Differences are taken away from the
    kinks s = 0 and s = k, where the energy has no second derivative (theory, Derivative tests). */
-#include "support/body.h"
+#include "support/slopes.h"
 
 static const body_how shapes[] = {
     {.dimension = SDR_1D, .cells = {40}},
@@ -17,39 +17,6 @@ static const body_how shapes[] = {
 enum { SHAPES = sizeof shapes / sizeof *shapes, EVERY = 7 };
 
 static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
-
-/* All bonds stretch by 0.009 to 0.023 at factor 1. */
-static void stretched(const body *b, double factor, uint64_t seed, double *const u[3])
-{
-  const double gradient[9] = {0.020, 0.003, 0.000, 0.001, 0.012, 0.001, 0.000, -0.001, 0.016};
-  double *extra[3], scaled[9];
-  for (int c = 0; c < 9; ++c) scaled[c] = factor * gradient[c];
-  vector_create(b->points, extra);
-  vector_noise(b->points, 4e-4 * body_spacing, seed, extra);
-  vector_linear(b->points, scaled, u);
-  vector_add(b->points, u, 1.0, extra, u);
-  vector_destroy(extra);
-}
-
-static double energy(const body *b, double *const u[3])
-{
-  sdr_energies e;
-  b->model->ops->energies(b->model, u, &e);
-  return e.stored + e.dissipated;
-}
-
-/* d energy/d u_ia by differences of fourth order with steps of h. */
-static double energy_slope(const body *b, double *const u[3], int a, int32_t i, double h)
-{
-  const double there = u[a][i];
-  double e[4];
-  for (int k = 0; k < 4; ++k) {
-    u[a][i] = there + h * (k < 2 ? k - 2 : k - 1);
-    e[k] = energy(b, u);
-  }
-  u[a][i] = there;
-  return (e[0] - 8.0 * e[1] + 8.0 * e[2] - e[3]) / (12.0 * h);
-}
 
 /* On loading the history is the stretch rounded to float, by up to 6e-8; that moves (1-d)^2 by up
    to 4 d times as much, in the force but not in the energy, which is stationary in d. */
@@ -67,28 +34,8 @@ static void check_force(const body *b, double *const u[3], int loading)
   assert_true(largest > 0.0);
   for (int a = 0; a < b->points->components; ++a)
     for (int32_t i = 0; i < b->points->count; i += EVERY)
-      assert_near(-energy_slope(b, u, a, i, 2e-5 * body_spacing), f[a][i],
+      assert_near(-slopes_of_energy(b, u, a, i, 2e-5 * body_spacing), f[a][i],
                   force_tolerance(b, loading) * largest);
-  vector_destroy(f);
-}
-
-/* column = -df/du_ia by differences of fourth order. The history is float, so the force on loading
-   has steps of 6e-8 of itself: h cannot be small. */
-static void force_slope(const body *b, double *const u[3], int a, int32_t i, double h,
-                        double *const column[3])
-{
-  static const double factor[4] = {1.0, -8.0, 8.0, -1.0};
-  const double there = u[a][i];
-  double *f[3];
-  vector_create(b->points, f);
-  for (int c = 0; c < b->points->components; ++c)
-    memset(column[c], 0, (size_t)b->points->count * sizeof(double));
-  for (int k = 0; k < 4; ++k) {
-    u[a][i] = there + h * (k < 2 ? k - 2 : k - 1);
-    b->model->ops->force(b->model, u, f);
-    vector_add(b->points, column, -factor[k] / (12.0 * h), f, column);
-  }
-  u[a][i] = there;
   vector_destroy(f);
 }
 
@@ -120,7 +67,7 @@ static void check_tangent(const body *b, double *const u[3], int loading)
       unit[a][i] = 1.0;
       assert_int_equal(b->model->ops->tangent_times(b->model, u, unit, column), SDR_OK);
       unit[a][i] = 0.0;
-      force_slope(b, u, a, i, h, expected);
+      slopes_of_force(b, u, a, i, h, expected);
       assert_at_most(vector_difference(b->points, column, expected),
                      (loading ? 1e-5 : 1e-8) * largest);
       check_diagonal(b, diagonal, column, a, i, largest);
@@ -152,9 +99,9 @@ static void every_body(double factor, void (*check)(const body *, double *const[
           assert_int_equal(b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
         double *u[3];
         vector_create(b.points, u);
-        stretched(&b, 1.0, 3, u);
+        slopes_stretch(&b, 1.0, 3, u);
         b.model->ops->commit(b.model, u);
-        stretched(&b, factor, 4, u);
+        slopes_stretch(&b, factor, 4, u);
         check(&b, u, factor > 1.0);
         vector_destroy(u);
         body_destroy(&b);

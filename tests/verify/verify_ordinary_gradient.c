@@ -4,6 +4,7 @@
    energy has no second derivative. */
 #include "support/elements.h"
 #include "support/ordinary.h"
+#include "support/slopes.h"
 
 static const ordinary_how shapes[] = {
     {.body = {.dimension = SDR_1D, .cells = {40}}},
@@ -29,39 +30,6 @@ enum { SHAPES = sizeof shapes / sizeof *shapes, EVERY = 11 };
 
 static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
 
-/* All bonds stretch by 0.009 to 0.023 at factor 1, of the same sign everywhere. */
-static void stretched(const body *b, double factor, uint64_t seed, double *const u[3])
-{
-  const double gradient[9] = {0.020, 0.003, 0.000, 0.001, 0.012, 0.001, 0.000, -0.001, 0.016};
-  double *extra[3], scaled[9];
-  for (int c = 0; c < 9; ++c) scaled[c] = factor * gradient[c];
-  vector_create(b->points, extra);
-  vector_noise(b->points, 4e-4 * body_spacing, seed, extra);
-  vector_linear(b->points, scaled, u);
-  vector_add(b->points, u, 1.0, extra, u);
-  vector_destroy(extra);
-}
-
-static double energy(const body *b, double *const u[3])
-{
-  sdr_energies e;
-  b->model->ops->energies(b->model, u, &e);
-  return e.stored + e.dissipated;
-}
-
-/* d energy/d u_ia by differences of fourth order with steps of h. */
-static double energy_slope(const body *b, double *const u[3], int a, int32_t i, double h)
-{
-  const double there = u[a][i];
-  double e[4];
-  for (int k = 0; k < 4; ++k) {
-    u[a][i] = there + h * (k < 2 ? k - 2 : k - 1);
-    e[k] = energy(b, u);
-  }
-  u[a][i] = there;
-  return (e[0] - 8.0 * e[1] + 8.0 * e[2] - e[3]) / (12.0 * h);
-}
-
 static void check_force(const body *b, double *const u[3])
 {
   double *f[3];
@@ -71,26 +39,7 @@ static void check_force(const body *b, double *const u[3])
   assert_true(largest > 0.0);
   for (int a = 0; a < b->points->components; ++a)
     for (int32_t i = 0; i < b->points->count; i += EVERY)
-      assert_near(-energy_slope(b, u, a, i, 1e-4 * body_spacing), f[a][i], 1e-8 * largest);
-  vector_destroy(f);
-}
-
-/* column = -df/du_ia by differences of fourth order. */
-static void force_slope(const body *b, double *const u[3], int a, int32_t i, double h,
-                        double *const column[3])
-{
-  static const double factor[4] = {1.0, -8.0, 8.0, -1.0};
-  const double there = u[a][i];
-  double *f[3];
-  vector_create(b->points, f);
-  for (int c = 0; c < b->points->components; ++c)
-    memset(column[c], 0, (size_t)b->points->count * sizeof(double));
-  for (int k = 0; k < 4; ++k) {
-    u[a][i] = there + h * (k < 2 ? k - 2 : k - 1);
-    b->model->ops->force(b->model, u, f);
-    vector_add(b->points, column, -factor[k] / (12.0 * h), f, column);
-  }
-  u[a][i] = there;
+      assert_near(-slopes_of_energy(b, u, a, i, 1e-4 * body_spacing), f[a][i], 1e-8 * largest);
   vector_destroy(f);
 }
 
@@ -129,7 +78,7 @@ static void check_tangent(const body *b, double *const u[3])
       unit[a][i] = 1.0;
       assert_int_equal(b->model->ops->tangent_times(b->model, u, unit, column), SDR_OK);
       unit[a][i] = 0.0;
-      force_slope(b, u, a, i, 1e-4 * body_spacing, expected);
+      slopes_of_force(b, u, a, i, 1e-4 * body_spacing, expected);
       assert_at_most(vector_difference(b->points, column, expected), 1e-7 * largest);
       for (int c = 0; c < n; ++c)
         assert_near(diagonal[(size_t)i * (size_t)(n * n) + (size_t)(c * n + a)], column[c][i],
@@ -161,12 +110,12 @@ static void every_body(double factor, void (*check)(const body *, double *const[
           assert_int_equal(b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut), SDR_OK);
         double *u[3];
         vector_create(b.points, u);
-        stretched(&b, 1.0, 3, u);
+        slopes_stretch(&b, 1.0, 3, u);
         b.model->ops->commit(b.model, u);
         sdr_energies e;
         b.model->ops->energies(b.model, u, &e);
         assert_int_equal(e.max_damage > 0.1, laws[law] != SDR_LAW_NONE);
-        stretched(&b, factor, 4, u);
+        slopes_stretch(&b, factor, 4, u);
         check(&b, u);
         vector_destroy(u);
         body_destroy(&b);
@@ -246,7 +195,7 @@ static void the_secant_is_positive_and_the_tangent_at_rest(void **state)
     body b = ordinary_create(&how);
     double *u[3];
     vector_create(b.points, u);
-    stretched(&b, 2.0, 3, u);
+    slopes_stretch(&b, 2.0, 3, u);
     elements_check_secant(b.points, b.model, u);
     vector_destroy(u);
     body_destroy(&b);
