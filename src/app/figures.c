@@ -6,12 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { EVERY_RUN = 12 };
+enum { EVERY_RUN = 13 };
 
 static const char *const names[EVERY_RUN] = {
-    "onset_time", "imbalance",   "imbalance_largest", "through_cracks",
-    "sectors",    "fragments",   "largest_share",     "dissipated",
-    "damage_max", "damage_mean", "momentum_linear",   "momentum_angular"};
+    "onset_time",      "imbalance",        "imbalance_largest", "through_cracks", "sectors",
+    "fragments",       "largest_share",    "dissipated",        "damage_max",     "damage_mean",
+    "momentum_linear", "momentum_angular", "time_end"};
 
 static void fill_in(const sdr_summary *s, const sdr_ring_counts *ring, sdr_measured *measured)
 {
@@ -27,7 +27,8 @@ static void fill_in(const sdr_summary *s, const sdr_ring_counts *ring, sdr_measu
       s->damage_max,
       s->damage_mean,
       s->books.linear_residual,
-      s->books.angular_residual};
+      s->books.angular_residual,
+      s->time_end};
   for (int k = 0; k < EVERY_RUN; ++k) measured[k].value = values[k];
 }
 

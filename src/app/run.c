@@ -108,6 +108,7 @@ static sdr_status begin(run *r, const sdr_run_options *options)
 
 static int is_over(const sdr_built *built)
 {
+  if (built->system->over) return 1;
   if (!built->integrator->chooses) return built->system->step >= built->steps;
   return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
 }
@@ -240,11 +241,12 @@ static void print_time(const sdr_summary *s, const sdr_solve_record *solve, FILE
 static void print_method(const sdr_method_record *m, FILE *out)
 {
   if (!m->name) return;
-  fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n", m->name,
-          (long long)m->evaluations, (long long)m->iterations, m->order);
+  fprintf(out, "method              %s: %lld forces, %lld iterations, order %d at the end\n",
+          m->name, (long long)m->evaluations, (long long)m->iterations, m->order);
   if (m->solver)
-    fprintf(out, "linear solver       %s: %lld tangents, %lld factors, %lld iterations\n", m->solver,
-            (long long)m->tangents, (long long)m->factors, (long long)m->linear_iterations);
+    fprintf(out, "linear solver       %s: %lld tangents, %lld factors, %lld iterations\n",
+            m->solver, (long long)m->tangents, (long long)m->factors,
+            (long long)m->linear_iterations);
   fprintf(out, "steps taken back    %lld for their error, %lld for the iteration\n",
           (long long)m->error_failures, (long long)m->iteration_failures);
 }

@@ -103,6 +103,7 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
     balance = &own;
   }
   book(&l->now, balance, moment);
+  if (l->row_step == moment->step) return SDR_OK; /* a run that ends before its next step */
   const sdr_books *b = &l->now.books;
   const double fixed[FIXED_COLUMNS] = {
       moment->time, b->kinetic,       b->stored,    b->dissipated, b->viscous,       0.0,

@@ -223,6 +223,7 @@ typedef struct {
   double end;                    /* s */
   int allow_unstable;            /* 1: a step above the limit only warns */
   int linear;                    /* static: 1: one linear solution; 0: increments */
+  int ends_at_collapse;          /* static: 1: a load that nothing carries ends the run as done */
   /* Of integrators that control their error. */
   int adams;                     /* cvode: 1 Adams, 0 BDF */
   int order;                     /* the largest that it may take; 0: the method's own */

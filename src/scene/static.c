@@ -42,6 +42,10 @@ void sdr_read_static(sdr_reading *rd, sdr_node *map)
   sdr_read_number(r, map, "end", SDR_ABOVE_ZERO(SDR_TIME), "1 s", &time->end);
   sdr_read_number_or(r, map, "step", "auto", NAN, SDR_ABOVE_ZERO(SDR_TIME),
                      time->linear ? SDR_OPTIONAL : "auto", &time->step);
+  if (!time->linear)
+    sdr_read_flag(r, map, "ends_at_collapse", SDR_OPTIONAL, &time->ends_at_collapse);
+  else
+    sdr_read_allow(r, map, "ends_at_collapse");
   allow_others(rd, map);
   if (time->linear && damaged)
     refuse(rd, map, "linear",

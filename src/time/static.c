@@ -18,7 +18,7 @@ static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_stat
 
 /* Of the largest energy so far: more than this is not balanced by an increment that found the
    equilibrium next to the last. */
-static const double most_excess = 2e-3;
+static const double most_excess = 1e-3;
 /* Likewise: so much may be set free when an equilibrium ceases to exist and the next one is found.
  */
 static const double most_release = 2e-2;
@@ -287,6 +287,17 @@ static double next_time(const sdr_static_work *w)
   return next > end - 1e-6 * w->length ? end : next;
 }
 
+/* The last equilibrium stands; the run ends with it. */
+static sdr_status collapse(sdr_system *system)
+{
+  const sdr_static_work *w = system->work;
+  sdr_implicit_scatter(w->implicit, w->u, system->u);
+  for (int a = 0; a < system->components; ++a)
+    memset(system->f[a], 0, (size_t)system->count * sizeof(double));
+  system->over = 1;
+  return SDR_OK;
+}
+
 static sdr_status step(sdr_system *system, double dt)
 {
   sdr_static_work *w = system->work;
@@ -302,11 +313,13 @@ static sdr_status step(sdr_system *system, double dt)
     ++system->solve.cuts;
     SDR_TRY(attempt(w, time, &report, &found));
   }
+  if (found == NOTHING && system->how && system->how->ends_at_collapse) return collapse(system);
   if (found == NEXT)
     sdr_static_take(w, NULL, time - system->time);
   else
     SDR_TRY(move(w, time, found));
   SDR_TRY(break_bonds(w, &balanced));
+  if (!balanced && system->how && system->how->ends_at_collapse) return collapse(system);
   if (!balanced) SDR_TRY(move(w, time, NOTHING));
   if (cut) w->length = time - system->time;
   if (!cut) w->length = fmin(2.0 * w->length, dt);
