@@ -1,5 +1,5 @@
 /* damage: the formulas of each law, one derived from the other. */
-#include "damage/laws.h"
+#include "damage/bond_law.h"
 #include "support/cmocka_all.h"
 
 #include <math.h>
@@ -77,6 +77,93 @@ static void damage_of_marked_pairs_is_what_the_mark_says(void **state)
   assert_close(sdr_flag_damage(SDR_PROTECTED, SDR_LOST_J), 0.0, 0.0);
 }
 
+/* ---- all laws ----------------------------------------------------------------------------------
+ */
+
+/* Constants with s_c = 0.01 and, for cohesive, s_e = 0.002: a = 25, x_f = 48.5. */
+static double constant_q(int law)
+{
+  return law == SDR_LAW_COHESIVE ? 0.002 : 1e-4;
+}
+static const double constant_r = 0.5 / (48.5 - 1.25);
+
+static double whole_energy(int law, double s, double before)
+{
+  const sdr_bond_answer at = sdr_bond_law(law, s, before, constant_q(law), constant_r);
+  return at.stored + at.dissipated;
+}
+
+/* Difference of fourth order of the energy (`of_force` 0) or the force. */
+static double slope_of(int law, double s, double before, int of_force)
+{
+  static const double factor[4] = {1.0, -8.0, 8.0, -1.0};
+  const double h = 2e-6;
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const double at = s + h * (k < 2 ? k - 2 : k - 1);
+    const double value = of_force ? sdr_bond_law(law, at, before, constant_q(law), constant_r).force
+                                  : whole_energy(law, at, before);
+    sum += factor[k] * value / (12.0 * h);
+  }
+  return sum;
+}
+
+/* Stretches away from the kinks of all laws, at 0, s_c/sqrt 2, s_e, 1.25 s_e and 48.5 s_e. */
+static const double stretches[] = {-0.03,  -0.001, 0.0011, 0.0019, 0.0021, 0.0024,
+                                   0.0026, 0.006,  0.0072, 0.02,   0.09,   0.0975};
+enum { STRETCHES = sizeof stretches / sizeof *stretches };
+
+/* Force and tangent are derivatives of stored and dissipated energy, on loading, unloading and in
+   compression. */
+static void each_law_derives_from_its_energy(void **state)
+{
+  (void)state;
+  static const double histories[] = {0.0, 0.0015, 0.0023, 0.0125, 0.2};
+  for (int law = 0; law < SDR_LAW_COUNT; ++law)
+    for (int b = 0; b < 5; ++b)
+      for (int k = 0; k < STRETCHES; ++k) {
+        const double s = stretches[k], q = constant_q(law);
+        const sdr_bond_answer at = sdr_bond_law(law, s, histories[b], q, constant_r);
+        assert_close(at.force, slope_of(law, s, histories[b], 0), 1e-8 * 0.01);
+        assert_close(at.slope, slope_of(law, s, histories[b], 1), 1e-7);
+        assert_true(at.damage >= 0.0 && at.damage <= 1.0);
+        if (s < 0.0) assert_close(at.force, s, 0.0);
+      }
+}
+
+/* The history only grows, so must damage and what is dissipated; what is left is (1-d)^2. */
+static void damage_and_dissipation_never_shrink(void **state)
+{
+  (void)state;
+  for (int law = 0; law < SDR_LAW_COUNT; ++law) {
+    sdr_softening last = sdr_softening_of(law, 0.0, constant_q(law), constant_r);
+    assert_close(last.left, 1.0, 0.0);
+    assert_close(last.dissipated, 0.0, 0.0);
+    for (int k = 1; k <= 1000; ++k) {
+      const sdr_softening now = sdr_softening_of(law, 1e-4 * k, constant_q(law), constant_r);
+      assert_true(now.damage >= last.damage && now.dissipated >= last.dissipated);
+      assert_close(now.left, (1.0 - now.damage) * (1.0 - now.damage), 1e-14);
+      last = now;
+    }
+    /* w_c over C |xi| is 5e-5; at 10 s_c the laws have taken so much of it */
+    const double most = law == SDR_LAW_VARIATIONAL ? pow(100.0 / 101.0, 2.0)
+                        : law == SDR_LAW_AT1       ? 1.0 - 1.0 / 200.0
+                        : law == SDR_LAW_COHESIVE  ? 1.0
+                                                   : 0.0;
+    assert_close(last.dissipated, 5e-5 * most, 1e-16);
+  }
+}
+
+static void a_lost_bond_answers_nothing(void **state)
+{
+  (void)state;
+  const sdr_bond_answer lost = sdr_bond_lost();
+  assert_close(lost.force, 0.0, 0.0);
+  assert_close(lost.slope, 0.0, 0.0);
+  assert_close(lost.stored + lost.dissipated, 0.0, 0.0);
+  assert_close(lost.damage, 1.0, 0.0);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -85,6 +172,9 @@ int main(void)
       cmocka_unit_test(the_tangent_turns_negative_past_a_quarter_of_damage),
       cmocka_unit_test(critical_stretch_breaks_above_s0_only_in_tension),
       cmocka_unit_test(damage_of_marked_pairs_is_what_the_mark_says),
+      cmocka_unit_test(each_law_derives_from_its_energy),
+      cmocka_unit_test(damage_and_dissipation_never_shrink),
+      cmocka_unit_test(a_lost_bond_answers_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
