@@ -1,7 +1,8 @@
 /* Non-ordinary bodies torn apart violently, at the step that a scene gets by itself: what is left
-   stays within it, energies never rise from nothing, and linear bodies keep their books to rounding
-   (theory sec. 11). */
+   stays within it, energies never rise from nothing, and linear bodies keep their books to
+   rounding; and what large families and solids dissipate that a plane splits (theory sec. 11). */
 #include "support/nonordinary.h"
+#include "support/split.h"
 #include "support/torn.h"
 
 static nonordinary_how torn_of(int solid, sdr_elasticity elasticity, double poisson)
@@ -39,10 +40,38 @@ static void violently_torn_bodies_stay_within_their_first_step(void **state)
         }
 }
 
+static double separation(const nonordinary_how *how, double tilt)
+{
+  nonordinary_how longer = *how;
+  split plan = split_plan(&longer.shape, tilt);
+  nonordinary b = nonordinary_create(&longer);
+  const double taken = split_dissipated(&plan, b.shape.points, b.shape.model) / b.toughness[0];
+  nonordinary_destroy(&b);
+  return taken;
+}
+
+static void split_solids_and_large_families_dissipate_the_toughness(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 2; ++k)
+    for (int angle = 0; angle < 3; ++angle) {
+      const nonordinary_how how = {.shape = {.dimension = k ? SDR_3D : SDR_PLANE_STRESS,
+                                             .law = SDR_LAW_CRITICAL_STRETCH,
+                                             .ratio = k ? 3.015 : 4.015},
+                                   .elasticity = k ? SDR_LINEAR : SDR_SAINT_VENANT_KIRCHHOFF,
+                                   .poisson = 0.25,
+                                   .strain = 0.001};
+      const double taken = separation(&how, angle * 3.14159265358979323846 / 8.0);
+      print_message("%d, %g degrees: %.4f\n", k, 22.5 * angle, taken);
+      assert_near(taken, 1.0, 0.05);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(violently_torn_bodies_stay_within_their_first_step),
+      cmocka_unit_test(split_solids_and_large_families_dissipate_the_toughness),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
