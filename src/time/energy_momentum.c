@@ -13,10 +13,11 @@ enum { MOST_LEVELS = 24, LEAST_PATIENCE = 2, MOST_PATIENCE = 64 };
 typedef struct {
   sdr_implicit *implicit;
   sdr_midpoint *midpoint;
-  double *force, *total; /* over all components */
-  int level;             /* the step goes in 2^level parts */
-  int patience, waited;  /* parts that must succeed before longer ones are tried; that have */
-  int constrained;       /* 1: there are supports or layers */
+  double *force, *total;   /* over all components */
+  int level;               /* the step goes in 2^level parts */
+  int patience, waited;    /* parts that must succeed before longer ones are tried; that have */
+  int constrained;         /* 1: there are supports or layers */
+  sdr_solve_record before; /* what had been done when this began */
 } work;
 
 static void destroy(void *context)
@@ -38,6 +39,7 @@ static sdr_status create(sdr_system *system, work **out)
   const double tolerance = how && how->tolerance > 0.0 ? how->tolerance : 1e-12;
   const size_t unknowns = (size_t)system->count * (size_t)system->components;
   w->patience = LEAST_PATIENCE;
+  w->before = system->solve;
   w->constrained = sdr_supports_count(system->supports) > 0 || system->layers;
   w->force = sdr_alloc(unknowns, sizeof *w->force);
   w->total = sdr_alloc(unknowns, sizeof *w->total);
@@ -234,13 +236,13 @@ static void report(const work *w)
   solve->name = r.name;
   solve->unknowns = w->implicit->free;
   solve->nonzeros = r.nonzeros;
-  solve->newton = w->midpoint->newton;
-  solve->iterations = r.iterations;
-  solve->factorisations = r.factorisations;
-  solve->bytes = r.bytes;
+  solve->newton = w->before.newton + w->midpoint->newton;
+  solve->iterations = w->before.iterations + r.iterations;
+  solve->factorisations = w->before.factorisations + r.factorisations;
+  solve->bytes = fmax(w->before.bytes, r.bytes);
   solve->residual = w->midpoint->reached;
-  solve->factor_seconds = r.prepare_s;
-  solve->solve_seconds = r.solve_s;
+  solve->factor_seconds = w->before.factor_seconds + r.prepare_s;
+  solve->solve_seconds = w->before.solve_seconds + r.solve_s;
 }
 
 /* A part of the step has been gone: try longer ones after a while. */
