@@ -122,11 +122,28 @@ static void commit_pair(void *context, const sdr_pair *pair)
   }
 }
 
+/* Of a stripe: runs of histories in double have a loop of their own. */
+static void commit_pairs(commit_call *call, int s)
+{
+  const sdr_bond_model *model = call->model;
+  const sdr_points *points = model->head.points;
+  const sdr_bonds *bonds = model->bonds;
+  if (!model->body.precise || !sdr_law_softens((int)model->body.law)) {
+    sdr_bonds_visit_stripe(bonds, points, s, commit_pair, call);
+    return;
+  }
+  for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
+    sdr_bond_commit_run(&model->body, &bonds->runs[r], call->u);
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, commit_pair, call);
+}
+
 static void commit_stripe(void *context, int s)
 {
   commit_call *call = context;
   sdr_bond_model *model = call->model;
-  sdr_bonds_visit_stripe(model->bonds, model->head.points, s, commit_pair, call);
+  commit_pairs(call, s);
   if (!model->booked) return;
   const int64_t first = model->bonds->stripe_run[s], end = model->bonds->stripe_run[s + 1];
   if (model->body.run_fresh) memset(model->body.run_fresh + first, 1, (size_t)(end - first));

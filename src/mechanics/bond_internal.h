@@ -102,4 +102,7 @@ int64_t sdr_bond_break_most(sdr_model *model, double *const u[3], double share);
 /* Book the energy of freshly lost bonds of stripe s (critical_stretch). */
 void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt);
 
+/* Take the stretches of a run into its histories in double. bond_commit.c */
+void sdr_bond_commit_run(const sdr_bond_body *body, const sdr_bond_run *run, double *const u[3]);
+
 #endif

@@ -42,7 +42,9 @@ void sdr_read_adaptive(sdr_reading *rd, sdr_node *map)
     sdr_read_allow(r, map, "method");
   if (sdr_read_word(r, map, "solver", solvers, NULL, "auto", &solver))
     snprintf(time->solver, sizeof time->solver, "%s", solvers[solver]);
-  if (sdr_read_integer(r, map, "order", 1, time->adams ? 12 : 5, time->adams ? "12" : "5", &order))
+  /* BDF beyond order 2 excites what swings undamped */
+  const char *usual = time->adams ? "12" : is_cvode ? "2" : "5";
+  if (sdr_read_integer(r, map, "order", 1, time->adams ? 12 : 5, usual, &order))
     time->order = (int)order;
   read_tolerances(rd, map);
   sdr_read_number(r, map, "end", SDR_ABOVE_ZERO(SDR_TIME), NULL, &time->end);

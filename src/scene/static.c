@@ -29,8 +29,8 @@ static void refuse(sdr_reading *rd, const sdr_node *map, const char *key, const 
    `auto` not at all. Without it, `step` is the first and longest increment. */
 void sdr_read_static(sdr_reading *rd, sdr_node *map)
 {
-  static const char *const solvers[] = {"auto", "cholmod",    "klu", "umfpack",
-                                        "pcg",  "relaxation", NULL};
+  static const char *const solvers[] = {"auto", "cholmod",    "klu",    "umfpack",
+                                        "pcg",  "relaxation", "kinsol", NULL};
   sdr_reader *r = rd->reader;
   const sdr_scene *scene = rd->scene;
   sdr_time_scene *time = &rd->scene->time;
@@ -50,9 +50,11 @@ void sdr_read_static(sdr_reading *rd, sdr_node *map)
   if (time->linear && damaged)
     refuse(rd, map, "linear",
            "a linear static solution has no damage; leave damage out, or give linear: false");
-  if (time->linear && strcmp(time->solver, "relaxation") == 0)
-    refuse(rd, map, "solver",
-           "relaxation finds nonlinear equilibria; give linear: false, or another solver");
+  if (time->linear &&
+      (strcmp(time->solver, "relaxation") == 0 || strcmp(time->solver, "kinsol") == 0))
+    refuse(
+        rd, map, "solver",
+        "relaxation and kinsol find nonlinear equilibria; give linear: false, or another solver");
   if (scene->initial_count > 0)
     sdr_read_error(r, scene->initial[0].origin,
                    "a static solution has no state to start from; leave initial out");

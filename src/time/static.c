@@ -14,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_static_relaxation};
+static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_static_relaxation,
+                                                   &sdr_static_kinsol};
 
 /* Of the largest energy so far: more than this is not balanced by an increment that found the
    equilibrium next to the last. */

@@ -21,7 +21,7 @@ typedef struct {
   void (*destroy)(void *state);
 } sdr_static_method;
 
-extern const sdr_static_method sdr_static_newton, sdr_static_relaxation;
+extern const sdr_static_method sdr_static_newton, sdr_static_relaxation, sdr_static_kinsol;
 
 typedef struct {
   sdr_implicit *implicit;
