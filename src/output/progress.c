@@ -106,6 +106,12 @@ static void make_pieces(const progress *p, const sdr_moment *moment,
              (long long)moment->steps);
   else
     snprintf(pieces[2], PIECE_SIZE, "step %lld", (long long)moment->step);
+  const sdr_solve_record *solve = moment->system ? &moment->system->solve : NULL;
+  if (solve && solve->cuts > 0) {
+    const size_t used = strlen(pieces[2]);
+    snprintf(pieces[2] + used, PIECE_SIZE - used, " (%lld cut, %lld by motion)",
+             (long long)solve->cuts, (long long)solve->fallbacks);
+  }
   if (p->rate > 0.0) snprintf(pieces[3], PIECE_SIZE, "%s", sdr_prefixed(a, p->rate, "steps/s"));
   if (!p->ledger) return;
   const sdr_books books = sdr_ledger_books(p->ledger);
