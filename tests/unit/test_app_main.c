@@ -141,6 +141,21 @@ static void check_tells_what_would_run_and_runs_nothing(void **state)
   assert_int_equal(rmdir("checked"), 0); /* nothing was written there */
 }
 
+static void check_tells_the_strength_of_laws_that_soften(void **state)
+{
+  (void)state;
+  said s;
+  succeed(&s, "sunder check cohesive_bar");
+  assert_non_null(strstr(s.out, "  largest horizon   239.2 mm for this strength and toughness\n"
+                                "  strength          2.702 MPa (1.023 E s_e), 2.859 MPa (1.082 E "
+                                "s_e), 2.696 MPa (1.020 E s_e), 2.581 MPa (0.977 E s_e) at 0, 15, "
+                                "30, 45 degrees to the lattice\n"));
+  succeed(&s, "sunder check cohesive_bar --set damage.law=at1");
+  assert_non_null(strstr(s.out, "(0.723 E s_c)"));
+  succeed(&s, "sunder check cohesive_bar --set damage.law=variational");
+  assert_non_null(strstr(s.out, "(0.407 E s_c)"));
+}
+
 static void check_refuses_what_run_would_refuse(void **state)
 {
   (void)state;
@@ -264,6 +279,7 @@ int main(void)
       cmocka_unit_test(an_unknown_variant_names_those_there_are),
       cmocka_unit_test(problems_are_listed_one_a_line),
       cmocka_unit_test(check_tells_what_would_run_and_runs_nothing),
+      cmocka_unit_test(check_tells_the_strength_of_laws_that_soften),
       cmocka_unit_test(check_refuses_what_run_would_refuse),
       cmocka_unit_test(results_go_to_stdout_and_progress_to_stderr),
       cmocka_unit_test(a_directory_is_named_after_scene_and_variant),

@@ -1,6 +1,7 @@
 /* The force is minus the gradient of stored + dissipated energy, and the tangent the gradient of
    the force: for every law, dimension and form of storage. Differences are taken away from the
    kinks s = 0 and s = k, where the energy has no second derivative (theory, Derivative tests). */
+#include "damage/bond_law.h"
 #include "support/slopes.h"
 
 static const body_how shapes[] = {
@@ -16,13 +17,11 @@ static const body_how shapes[] = {
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes, EVERY = 7 };
 
-static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
-
 /* On loading the history is the stretch rounded to float, by up to 6e-8; that moves (1-d)^2 by up
    to 4 d times as much, in the force but not in the energy, which is stationary in d. */
 static double force_tolerance(const body *b, int loading)
 {
-  return loading && b->how.law == SDR_LAW_VARIATIONAL ? 2e-7 : 1e-9;
+  return loading && sdr_law_softens((int)b->how.law) ? 2e-7 : 1e-9;
 }
 
 static void check_force(const body *b, double *const u[3], int loading)
@@ -51,6 +50,9 @@ static void check_diagonal(const body *b, double *const diagonal, double *const 
 static void check_tangent(const body *b, double *const u[3], int loading)
 {
   const int n = b->points->components;
+  /* Softened so far, their tangents are below the float steps; verify_tangent has them in double.
+   */
+  if (loading && (b->how.law == SDR_LAW_AT1 || b->how.law == SDR_LAW_COHESIVE)) return;
   double *unit[3], *column[3], *expected[3];
   double *diagonal = sdr_alloc((size_t)b->points->count, (size_t)(n * n) * sizeof(double));
   vector_create(b->points, unit);
@@ -78,21 +80,31 @@ static void check_tangent(const body *b, double *const u[3], int loading)
   vector_destroy(expected);
 }
 
+/* at1 and cohesive have kinks besides: all bonds are past that of at1 and past both of cohesive's
+   first line, and none is where the second one ends. */
+static double stretch_of(int shape, int law)
+{
+  if (law == SDR_LAW_AT1) return 0.0085;
+  if (law == SDR_LAW_COHESIVE) return 0.04;
+  return shape == 0 ? 0.02 : 0.016;
+}
+
 /* Every body, after a history of stretching, at `factor` times that stretch. */
 static void every_body(double factor, void (*check)(const body *, double *const[3], int))
 {
   for (int k = 0; k < SHAPES; ++k)
-    for (int law = 0; law < 3; ++law)
+    for (int law = 0; law < SDR_LAW_COUNT; ++law)
       for (int variant = 0; variant < 8; ++variant) {
         body_how how = shapes[k];
-        how.law = laws[law];
+        how.law = (sdr_law)law;
         how.force_loose = variant & 1;
         how.scatter = variant & 2 ? 0.3 : 0.0;
         how.two_materials = how.scatter > 0.0;
-        how.stretch = k == 0 ? 0.02 : 0.016;
+        how.stretch = stretch_of(k, law);
+        how.brittle = 16.0;
         how.ell = 1.3;
         if (how.force_loose && how.jitter > 0.0) continue;
-        if (factor > 1.0 && laws[law] == SDR_LAW_CRITICAL_STRETCH) continue; /* breaks in commit */
+        if (factor > 1.0 && law == SDR_LAW_CRITICAL_STRETCH) continue; /* breaks in commit */
         body b = body_create(&how);
         int64_t cut;
         if (variant & 4)
