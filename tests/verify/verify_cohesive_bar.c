@@ -30,9 +30,10 @@ static void weaken_the_middle(bar *r)
   bonds->threshold_at = sdr_alloc(padded, sizeof(double));
   bonds->decline_at = sdr_alloc(padded, sizeof(double));
   for (size_t i = 0; i < padded; ++i) {
-    const int weak = i < (size_t)r->b.points->count && abs(2 * r->column[i] - (COLUMNS - 1)) < 6;
+    const int column = i < (size_t)r->b.points->count ? r->column[i] : 0; /* or padding */
+    const int away = abs(2 * column - (COLUMNS - 1)), weak = away < 6;
+    const int end = away > COLUMNS - 1 - 4 * HELD;
     bonds->stiffness_at[i] = bonds->stiffness;
-    const int end = abs(2 * r->column[i] - (COLUMNS - 1)) > COLUMNS - 1 - 4 * HELD;
     bonds->threshold_at[i] = bonds->threshold * (weak ? 1.0 - 0.005 : end ? 2.0 : 1.0);
     bonds->decline_at[i] =
         weak ? SDR_COHESIVE_GAMMA /
