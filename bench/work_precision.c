@@ -368,8 +368,8 @@ static sdr_status draw(const study *s)
       sdr_picture_place(&picture, (sdr_area){130.0 + 590.0 * p, 590.0 - 500.0 * row, 430, 350});
       fprintf(script, "set title '%s'\nset ylabel '%s'\nset key %s\n",
               row == 0 ? problems[p].title : "", row == 0 ? "error of u" : "imbalance",
-              p == 0 && row == 0 ? "left bottom font ',11' samplen 1.5 spacing 0.9" : "off");
-      plot(script, p, 2 + row, p == 0 && row == 0);
+              p == 0 && row == 1 ? "left bottom font ',11' samplen 1.5 spacing 0.9" : "off");
+      plot(script, p, 2 + row, p == 0 && row == 1);
     }
   snprintf(path, sizeof path, "%s/work_precision.png", s->directory);
   SDR_TRY(sdr_picture_end(&picture, path));

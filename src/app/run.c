@@ -38,6 +38,7 @@ typedef struct {
   int observer_count;
   sdr_moment moment;
   int64_t steps_before;          /* taken before a resume */
+  double written;                /* s: when the last checkpoint was */
   double started, setup, output; /* s of wall time */
   char resting[96];              /* for the summary's list of what was skipped */
 } run;
@@ -99,6 +100,7 @@ static sdr_status begin(run *r, const sdr_run_options *options)
   SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, r->built.traits.isa, r->observers,
                               r->observer_count));
   r->steps_before = r->moment.step;
+  r->written = r->moment.time;
   r->built.step = r->moment.step_size;
   const sdr_integrator *integrator = r->built.integrator;
   return integrator->restart ? integrator->restart(r->built.system, r->built.step) : SDR_OK;
@@ -113,10 +115,20 @@ static int is_over(const sdr_built *built)
   return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
 }
 
+/* Chosen steps may be far shorter than the longest, within which a checkpoint is due: one will do.
+ */
+static int is_new(const run *r)
+{
+  const sdr_moment *moment = &r->moment;
+  return !r->built.integrator->chooses || moment->last ||
+         moment->time - r->written > moment->step_size;
+}
+
 /* A run that goes on and one that is resumed here must do the same. */
 static sdr_status write_checkpoint(run *r)
 {
   const sdr_built *built = &r->built;
+  r->written = r->moment.time;
   SDR_TRY(sdr_checkpoint_write(r->directory, &r->moment, built->traits.isa, r->observers,
                                r->observer_count));
   return built->integrator->restart ? built->integrator->restart(built->system, built->step)
@@ -143,7 +155,7 @@ static sdr_status observe(run *r)
   sdr_status status = SDR_OK;
   for (int k = 0; k < r->observer_count && status == SDR_OK; ++k)
     if (due[k]) status = r->observers[k]->ops->look(r->observers[k], moment);
-  if (status == SDR_OK && sdr_checkpoint_due(moment)) status = write_checkpoint(r);
+  if (status == SDR_OK && sdr_checkpoint_due(moment) && is_new(r)) status = write_checkpoint(r);
   moment->balance = NULL;
   r->output += wall() - from;
   return status;
@@ -373,7 +385,7 @@ static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *optio
 static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_options *options,
                            FILE *out)
 {
-  run r = {.lock = -1, .started = started};
+  run r = {.lock = -1, .started = started, .written = (double)-INFINITY};
   sdr_status status = set_up(&r, scene, options);
   if (status == SDR_OK) status = integrate(&r, options->resume != NULL);
   destroy_observer(&r.progress);

@@ -153,6 +153,7 @@ static void find_diagonal(work *w, double gamma)
   for (int32_t k = 0; k < w->size; ++k) w->diagonal[k] = mass[k] / (gamma * gamma);
 }
 
+/* NOLINTNEXTLINE(readability-function-size): CVODES gives it eleven arguments */
 static int make_matrix(realtype t, N_Vector y, N_Vector slope, SUNMatrix matrix, booleantype keep,
                        booleantype *renewed, realtype gamma, void *context, N_Vector a, N_Vector b,
                        N_Vector c)

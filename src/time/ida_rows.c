@@ -120,6 +120,7 @@ static void find_diagonal(sdr_ida_work *w, double factor)
     w->diagonal[k] = mass[k] > 0.0 ? mass[k] * factor * factor : sdr_ida_viscous_of(w, k) * factor;
 }
 
+/* NOLINTNEXTLINE(readability-function-size): IDA gives it ten arguments */
 int sdr_ida_make_matrix(realtype t, realtype factor, N_Vector y, N_Vector slope, N_Vector left,
                         SUNMatrix matrix, void *context, N_Vector a, N_Vector b, N_Vector c)
 {

@@ -438,7 +438,8 @@ static void bad_overrides_say_what_is_wrong(void **state)
       {"time.end.x=1", "--set time.end.x: time.end is a single value and has no 'x' in it"},
       {"time.stop=1",
        "--set time.stop: unknown key 'stop'; did you mean 'step'? known here: integrator, step, "
-       "safety, end, allow_unstable"},
+       "safety, end, allow_unstable, method, order, solver, tolerance, tolerance_displacement, "
+       "tolerance_velocity, viscosity"},
       {"time=[1",
        "--set time: not YAML: did not find expected ',' or ']' (while parsing a flow sequence)"}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
