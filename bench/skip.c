@@ -4,6 +4,7 @@
 #include "app/plot_gnuplot.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "mechanics/tangent.h"
 #include "nom/neighbourhood.h"
 #include "support/body.h"
 #include "support/report.h"
@@ -288,6 +289,31 @@ static sdr_status measure_neighbourhood(table *t)
   return SDR_OK;
 }
 
+/* Pattern and values of the tangent, which explicit runs never ask for. */
+static sdr_status measure_jacobian(table *t)
+{
+  const bench_how how = {.dimension = 2, .spacing = 1e-3};
+  row *r = new_row(t, "Jacobian", "set-up of the ring at 1 mm, no damage", "ns a directed bond");
+  for (int round = 0; round < ROUNDS; ++round) {
+    bench_body body;
+    sdr_tangent *tangent = NULL;
+    double from = bench_processor_clock();
+    SDR_TRY(bench_body_create(&how, &body));
+    r->without[round] = (bench_processor_clock() - from) / (double)body.model->bonds;
+    const double before = (double)sdr_memory_now();
+    from = bench_processor_clock();
+    sdr_status status = sdr_tangent_create(body.model, SDR_TANGENT_EXACT, &tangent);
+    if (status == SDR_OK) status = sdr_tangent_update(tangent, NULL, body.system->u);
+    r->with[round] =
+        r->without[round] + (bench_processor_clock() - from) / (double)body.model->bonds;
+    r->bytes = ((double)sdr_memory_now() - before) / body.points->count;
+    sdr_tangent_destroy(&tangent);
+    bench_body_destroy(&body);
+    SDR_TRY(status);
+  }
+  return SDR_OK;
+}
+
 /* ---- report ---------------------------------------------------------------------------------- */
 
 static void print_table(const table *t)
@@ -363,6 +389,7 @@ int main(int count, char **words)
   if (status == SDR_OK) status = measure_rest(directory, &t);
   if (status == SDR_OK) status = measure_watching(&t);
   if (status == SDR_OK) status = measure_neighbourhood(&t);
+  if (status == SDR_OK) status = measure_jacobian(&t);
   if (status == SDR_OK) {
     print_table(&t);
     status = write_csv(&t, directory);

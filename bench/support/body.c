@@ -175,6 +175,16 @@ sdr_status bench_body_restart(bench_body *body)
   return sdr_leapfrog.start(system, body->step);
 }
 
+void bench_body_forget(bench_body *body)
+{
+  sdr_state_block blocks[SDR_STATE_BLOCKS];
+  int count = 0;
+  body->model->ops->state(body->model, blocks, &count);
+  for (int k = 0; k < count; ++k)
+    if (strstr(blocks[k].name, "stretch") || strstr(blocks[k].name, "flags"))
+      memset(blocks[k].data, 0, blocks[k].bytes);
+}
+
 sdr_status bench_body_create(const bench_how *how, bench_body *out)
 {
   static const sdr_scene nothing; /* no loads, no supports */

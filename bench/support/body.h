@@ -38,6 +38,9 @@ void bench_body_destroy(bench_body *body);
 /* Put the displacements of the start back, velocities to zero, and compute the force. */
 sdr_status bench_body_restart(bench_body *body);
 
+/* Take the damage back that the start has left in the model. */
+void bench_body_forget(bench_body *body);
+
 /* A permutation of 0 .. count - 1, the same every time. Caller: sdr_free. NULL: out of memory. */
 int32_t *bench_shuffle(int32_t count);
 
