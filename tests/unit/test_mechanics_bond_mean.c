@@ -12,7 +12,8 @@ static const body_how shapes[] = {
      .two_materials = 1},
     {.dimension = SDR_3D, .cells = {9, 3, 4}, .ratio = 1.75},
 };
-static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH};
+static const sdr_law laws[] = {SDR_LAW_NONE, SDR_LAW_VARIATIONAL, SDR_LAW_CRITICAL_STRETCH,
+                               SDR_LAW_AT1, SDR_LAW_COHESIVE};
 enum { SHAPES = sizeof shapes / sizeof *shapes, LAWS = sizeof laws / sizeof *laws };
 
 /* A body with some bonds cut and some protected, and a step of it: stretches of a few thresholds

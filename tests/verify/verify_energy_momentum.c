@@ -111,6 +111,7 @@ static const char *const torn_plate =
     "dimension: plane_stress\n"
     "points: {shape: {box: {from: [1 mm, 2 mm], to: [31 mm, 16 mm]}}, spacing: 1 mm%s}\n"
     "material: {young: 70 GPa, density: 2500 kg/m^3, toughness: 5 J/m^2,\n"
+    "  strength: 8 MPa,\n"
     "  scatter: {young: 10 %%}}\n"
     "damage: {law: %s}\n"
     "cracks: [{segment: {from: [15.4 mm, 0], to: [15.4 mm, 8.4 mm]}}]\n"
@@ -147,6 +148,20 @@ static void bonds_that_break_leave_the_books_exact(void **state)
     scene_build(&run, torn_plate, points[k], "critical_stretch", "auto", "0.5");
     const audit a = audited(&run, 25);
     assert_true(a.last.model.broken > 20);
+    assert_balanced(&a, 1e-11);
+    sdr_built_destroy(&run);
+  }
+}
+
+static void softening_of_any_law_leaves_the_books_exact(void **state)
+{
+  (void)state;
+  static const char *const laws[] = {"at1", "cohesive"};
+  for (int k = 0; k < 2; ++k) {
+    sdr_built run;
+    scene_build(&run, torn_plate, "", laws[k], "auto", "1");
+    const audit a = audited(&run, 15);
+    assert_true(a.last.model.max_damage > 0.5);
     assert_balanced(&a, 1e-11);
     sdr_built_destroy(&run);
   }
@@ -232,6 +247,7 @@ int main(void)
       cmocka_unit_test(a_smooth_elastic_body_converges_with_the_square_of_the_step),
       cmocka_unit_test(books_balance_with_loads_supports_and_damage_at_any_step),
       cmocka_unit_test(bonds_that_break_leave_the_books_exact),
+      cmocka_unit_test(softening_of_any_law_leaves_the_books_exact),
       cmocka_unit_test(every_solver_finds_the_same_steps),
       cmocka_unit_test(a_spinning_disc_that_cracks_keeps_its_spin_and_energy),
       cmocka_unit_test(a_block_turns_by_large_angles_in_3d),
