@@ -140,8 +140,8 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   int wants_balance = 0;
   sdr_history_file_close(&l->history);
   SDR_TRY(sdr_history_file_continue(moment->directory, l->header,
-                                    moment->time + 0.5 * moment->step_size, &last, &l->history));
-  const int row_there = last >= moment->time - 0.5 * moment->step_size;
+                                    moment->time + sdr_moment_slack(moment), &last, &l->history));
+  const int row_there = last >= moment->time - sdr_moment_slack(moment);
   l->row_step = row_there ? moment->step : -1;
   return !row_there && due(observer, moment, &wants_balance) ? look(observer, moment) : SDR_OK;
 }

@@ -18,6 +18,12 @@ typedef struct {
       *balance; /* energies and momenta now; NULL unless some observer asked (wants) */
 } sdr_moment;
 
+/* Two times that differ by less are of the same step; chosen steps may be of any length. */
+static inline double sdr_moment_slack(const sdr_moment *moment)
+{
+  return moment->steps > 0 ? 0.5 * moment->step_size : 1e-12 * moment->time;
+}
+
 typedef struct sdr_observer sdr_observer;
 
 typedef struct {

@@ -228,7 +228,7 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   SDR_TRY(sdr_hdf_close(&s->file));
   if (s->scene->output.snapshots <= 0) return SDR_OK;
   if (access(s->path, F_OK) == 0) {
-    SDR_TRY(keep_frames(s, moment->time + 0.5 * moment->step_size));
+    SDR_TRY(keep_frames(s, moment->time + sdr_moment_slack(moment)));
     if (s->frame_count > 0) SDR_TRY(sdr_hdf_open(s->path, 1, &s->file));
   }
   if (s->frame_count > 0) {
