@@ -126,7 +126,9 @@ sdr_status sdr_implicit_create(sdr_system *system, sdr_implicit **out)
   implicit->held = sdr_alloc(unknowns, sizeof *implicit->held);
   implicit->reached =
       sdr_alloc((size_t)sdr_supports_count(system->supports), sizeof *implicit->reached);
-  const int whole = implicit->load && implicit->mass && implicit->held && implicit->reached;
+  if (system->layers) implicit->scratch = sdr_alloc(unknowns, sizeof *implicit->scratch);
+  const int whole = implicit->load && implicit->mass && implicit->held && implicit->reached &&
+                    !implicit->scratch == !system->layers;
   sdr_status status = whole ? SDR_OK : SDR_RUN_FAILED;
   if (status == SDR_OK) {
     set_masses(implicit);
@@ -148,6 +150,7 @@ void sdr_implicit_destroy(sdr_implicit **implicit)
   sdr_slaves_destroy(&i->slaves);
   sdr_free(i->load);
   sdr_free(i->mass);
+  sdr_free(i->scratch);
   sdr_free(i->held);
   sdr_free(i->reached);
   sdr_free(i);
@@ -178,6 +181,16 @@ void sdr_implicit_force(sdr_implicit *implicit, const double *u, double *force)
   sdr_implicit_gather(implicit, system->f, force);
 }
 
+/* What the layers of supports pull with where the model's force is `internal`. */
+static void note_layer_reactions(sdr_implicit *implicit, const double *internal)
+{
+  sdr_system *system = implicit->system;
+  sdr_implicit_gather(implicit, system->f, implicit->scratch);
+  sdr_implicit_scatter(implicit, internal, system->f);
+  sdr_layers_pull(system->layers, system->f);
+  sdr_implicit_scatter(implicit, implicit->scratch, system->f);
+}
+
 void sdr_implicit_outside(sdr_implicit *implicit, const double *internal, const double *total,
                           double *out)
 {
@@ -191,6 +204,7 @@ void sdr_implicit_outside(sdr_implicit *implicit, const double *internal, const 
     const int acts = !isnan(system->motion[k]);
     system->reaction[k] = acts ? out[r] - implicit->load[r] : 0.0;
   }
+  if (system->layers) note_layer_reactions(implicit, internal);
 }
 
 /* ---- books ----------------------------------------------------------------------------------- */
@@ -221,6 +235,5 @@ void sdr_implicit_book(sdr_implicit *implicit, const double *way, const double *
                        const double *now, double dt)
 {
   for (int32_t i = 0; i < implicit->system->count; ++i)
-    if (sdr_in_body(implicit->system->model->points, i))
-      book_point(implicit, i, way, before, now, dt);
+    book_point(implicit, i, way, before, now, dt);
 }

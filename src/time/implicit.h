@@ -18,8 +18,8 @@ typedef struct {
   double *load;    /* an unknown: what loads put on it, N */
   double *mass;    /* an unknown: kg; 0 for points of layers */
   double *reached; /* an entry of the supports' list: its displacement at the system's time, m */
-  uint8_t
-      *held; /* an unknown: 1 if it is prescribed or slaved, or leads a slave: constraints act */
+  double *scratch; /* an unknown; NULL: no layers */
+  uint8_t *held;   /* an unknown: 1 where constraints act: prescribed, slaved, leading a slave */
 } sdr_implicit;
 
 /* At the system's time. The supports and layers of the system at other times follow by

@@ -228,6 +228,40 @@ static void a_load_that_nothing_carries_stops_the_run(void **state)
   sdr_built_destroy(&run);
 }
 
+/* Points of layers are slaved and without mass: what moves them does the work, and its sum is the
+   reaction of their support. */
+static void moving_mirrors_do_the_work_that_the_body_stores(void **state)
+{
+  (void)state;
+  static const char *const times[] = {"integrator: static, linear: false, end: 1 s, step: 0.25 s",
+                                      "integrator: energy_momentum, end: 1 s, step: 10 ms"};
+  for (size_t k = 0; k < sizeof times / sizeof *times; ++k) {
+    sdr_built run;
+    sdr_balance balance;
+    scene_build(&run,
+                HEAD "points: {shape: {box: {from: [0, 0], to: [20 mm, 10 mm]}}, spacing: 1 mm, "
+                     "align: cell}\n"
+                     "material: {young: 1 GPa, density: 1e9 kg/m^3}\n"
+                     "supports:\n"
+                     "  - {on: left, layer: mirror, displacement: {x: 0}}\n"
+                     "  - {on: right, layer: mirror, displacement: {x: 1 um*t/(1 s)}}\n"
+                     "  - {on: bottom, layer: mirror, displacement: {y: 0}}\n"
+                     "time: {%s}\n",
+                times[k]);
+    run_start(&run);
+    while (run.system->time < 1.0 - 1e-9) run_step(&run);
+    sdr_system_balance(run.system, &balance);
+    const double energy = balance_energy(&balance);
+    assert_true(energy > 1e-5);
+    assert_true(fabs(energy - run.system->external_work) < 2e-6 * energy);
+    assert_true(sdr_system_reaction(run.system, 1, 0) > 100.0);
+    if (k > 0) /* statics has no velocities */
+      assert_true(fabs(balance.momentum[0] - run.system->impulse[0]) <
+                  1e-9 * balance.momentum_scale);
+    sdr_built_destroy(&run);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -236,6 +270,7 @@ int main(void)
       cmocka_unit_test(state_based_strips_soften_too),
       cmocka_unit_test(critical_stretch_breaks_the_most_overstretched_first),
       cmocka_unit_test(a_mean_is_kept_and_pulls_each_of_its_points_alike),
+      cmocka_unit_test(moving_mirrors_do_the_work_that_the_body_stores),
       cmocka_unit_test(motion_takes_the_body_where_statics_cannot),
       cmocka_unit_test(a_load_that_nothing_carries_stops_the_run),
   };
