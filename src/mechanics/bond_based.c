@@ -12,6 +12,8 @@
 typedef struct {
   sdr_bond_model *model;
   sdr_run_force run;
+  sdr_mixed_force mixed; /* instead of run, if not NULL */
+  int32_t bits[256];     /* a stripe: what it returns */
   sdr_loose_force loose;
   double *const *u, *const *v, *const *f;
   double dt;
@@ -28,14 +30,18 @@ static void zero_stripe(const sdr_points *points, int s, double *const f[3])
 /* Even stripes come first: they clear their own force and the next stripe's, where they add. */
 static void force_of_stripe(void *context, int s)
 {
-  const force_call *call = context;
+  force_call *call = context;
   const sdr_bonds *bonds = call->model->bonds;
   if (s % 2 == 0) {
     zero_stripe(call->model->head.points, s, call->f);
     zero_stripe(call->model->head.points, s + 1, call->f);
   }
   if (sdr_stripe_rests(call->model, s)) return;
-  call->run(&call->model->body, bonds->stripe_run[s], bonds->stripe_run[s + 1], call->u, call->f);
+  const int64_t first = bonds->stripe_run[s], end = bonds->stripe_run[s + 1];
+  if (call->mixed)
+    call->bits[s] = call->mixed(&call->model->body, first, end, call->u, call->f);
+  else
+    call->run(&call->model->body, first, end, call->u, call->f);
 }
 
 /* After the runs' stripes: chunks add to their own points only. */
@@ -64,14 +70,22 @@ static void book(force_call *call)
     memset(model->body.chunk_fresh, 0, (size_t)model->bonds->loose.chunk_count);
 }
 
+static void take_bits(const force_call *call)
+{
+  int32_t bits = 0;
+  for (int s = 0; s < call->model->head.points->stripe_count; ++s) bits |= call->bits[s];
+  sdr_bond_take_bits(call->model, bits);
+}
+
 static void compute_force(sdr_bond_model *model, int commit, double *const u[3], double *const v[3],
                           double dt, double *const f[3])
 {
   const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
   const int mixed = commit && model->body.mixed;
   force_call call = {.model = model,
-                     .run = mixed ? model->kernels->mixed_run_force[model->body.law][n - 1][each]
-                                  : model->kernels->run_force[model->body.law][n - 1][each][commit],
+                     .run = model->kernels->run_force[model->body.law][n - 1][each][commit],
+                     .mixed = mixed ? model->kernels->mixed_run_force[model->body.law][n - 1][each]
+                                    : NULL,
                      .loose = model->kernels->loose_force[model->body.law][n - 1][each][commit],
                      .u = u,
                      .v = v,
@@ -80,6 +94,7 @@ static void compute_force(sdr_bond_model *model, int commit, double *const u[3],
   sdr_bond_watch(model, u);
   if (mixed) sdr_bond_split(model, u, v, dt);
   sdr_each_stripe(model->head.points, force_of_stripe, &call);
+  if (mixed) take_bits(&call);
   if (model->bonds->loose.chunk_count > 0)
     sdr_parallel_for(0, model->head.points->stripe_count, 1, force_of_loose_stripe, &call);
   if (commit) book(&call);

@@ -9,7 +9,7 @@
 
 /* What the pairs of a class share, for float arithmetic (bond_mixed.c). */
 typedef struct {
-  float xi[3], inverse_square, wij, wji;
+  float xi[3], inverse_square, wij, wji, rest; /* rest: of their product, lost in rounding */
 } sdr_terms_float;
 
 /* Histories are indexed by slot. Which of them exist depends on the law: a stretch with those that
@@ -32,7 +32,7 @@ typedef struct {
      `stiffness` and q of each point (NULL: shared), and the unit of forces as whole numbers (N);
      per_length_unit is 1/length_unit; stiffest: a bond's force is at most that times the distance
      its ends moved apart, N/m */
-  int mixed;
+  int mixed, watch; /* watch: kernels tell the bits of forces in this step */
   int32_t *place[3];
   sdr_terms_float *float_terms; /* a class, in these units */
   float *relative_stiffness, *float_threshold;
@@ -49,6 +49,10 @@ typedef struct {
 /* Runs [first, end): f += force. `commit` has the history take the state in. */
 typedef void (*sdr_run_force)(const sdr_bond_body *body, int64_t first, int64_t end,
                               double *const u[3], double *const f[3]);
+/* The same in whole numbers (mixed): all bits that some force has, if
+   body->watch asks for them, to tell how large they are. */
+typedef int32_t (*sdr_mixed_force)(const sdr_bond_body *body, int64_t first, int64_t end,
+                                   double *const u[3], double *const f[3]);
 /* Chunks [first, end) of loose points: f += force. */
 typedef void (*sdr_loose_force)(const sdr_bond_body *body, int64_t first, int64_t end,
                                 double *const u[3], double *const f[3]);
@@ -67,7 +71,7 @@ typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
   /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
   sdr_run_force run_force[SDR_LAW_COUNT][3][2][2];
-  sdr_run_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* commit; NULL: the law has none */
+  sdr_mixed_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* commit; NULL: the law has none */
   sdr_loose_force loose_force[SDR_LAW_COUNT][3][2][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
   sdr_run_damage run_damage[SDR_LAW_COUNT][3][2];

@@ -177,7 +177,7 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
       if (components > 2) Y[2][k] = of.xi[2] + e.z;
     } else {
       const SDR_REAL phi =
-          SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z);
+          SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z));
       fx[k] = (SDR_WHOLE)(phi * (of.xi[0] + e.x));
       if (components > 1) fy[k] = (SDR_WHOLE)(phi * (of.xi[1] + e.y));
       if (components > 2) fz[k] = (SDR_WHOLE)(phi * (of.xi[2] + e.z));
@@ -186,7 +186,8 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
   if (!split) return;
 #pragma omp simd
   for (int k = 0; k < n; ++k)
-    P[k] = SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, Z[k]);
+    P[k] =
+        SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, Z[k]));
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
     fx[k] = (SDR_WHOLE)(P[k] * Y[0][k]);
@@ -249,13 +250,14 @@ SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * 
   }
 }
 
-/* Forces of a band's piece. `end`: that of all runs at hand. */
-SDR_INLINE void SDR_NAMED(force_of_band)(const int components, const int law, const int each,
-                                         const int commit, const sdr_bond_body *body,
-                                         const sdr_band_piece *piece, int64_t end,
-                                         double *const u[3], double *const f[3],
-                                         SDR_NAMED(sdr_band) * band)
+/* Forces of a band's piece, and their bits if they are whole. `end`: that of all runs at hand. */
+SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law, const int each,
+                                            const int commit, const sdr_bond_body *body,
+                                            const sdr_band_piece *piece, int64_t end,
+                                            double *const u[3], double *const f[3],
+                                            SDR_NAMED(sdr_band) * band)
 {
+  int32_t bits = 0;
   band->count = 0;
   for (int64_t r = piece->run; r < piece->run_end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
@@ -271,21 +273,25 @@ SDR_INLINE void SDR_NAMED(force_of_band)(const int components, const int law, co
       SDR_NAMED(force_of_block)(components, law, each, 0, commit, body, &block, F);
     for (int a = 0; a < components; ++a)
       memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_WHOLE));
+    bits |= SDR_BITS(body, components, F, block.count);
     if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh_in(&block)) body->run_fresh[r] = 1;
     band->i[c] = block.i;
     band->j[c] = block.j;
     band->length[c] = block.count;
   }
-  if (band->count == 0) return;
+  if (band->count == 0) return 0;
   SDR_NAMED(add_band)(components, band, band->i, SDR_FORCE_UNIT(body), f);
   SDR_NAMED(add_band)(components, band, band->j, -SDR_FORCE_UNIT(body), f);
+  return bits;
 }
 
-SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, const int each,
-                                         const int commit, const sdr_bond_body *body, int64_t first,
-                                         int64_t end, double *const u[3], double *const f[3])
+SDR_INLINE int32_t SDR_NAMED(force_of_runs)(const int components, const int law, const int each,
+                                            const int commit, const sdr_bond_body *body,
+                                            int64_t first, int64_t end, double *const u[3],
+                                            double *const f[3])
 {
   SDR_NAMED(sdr_band) band;
+  int32_t bits = 0;
   for (int c = 0; c < SDR_BAND; ++c)
     for (int a = 0; a < components; ++a)
       memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_WHOLE));
@@ -294,8 +300,10 @@ SDR_INLINE void SDR_NAMED(force_of_runs)(const int components, const int law, co
     find_band(body->bonds->runs, &piece);
     for (; piece.from < piece.last; piece.from = piece.end) {
       piece.end = piece.last - piece.from < SDR_BLOCK ? piece.last : piece.from + SDR_BLOCK;
-      SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, end, u, f, &band);
+      bits |=
+          SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, end, u, f, &band);
     }
     r = piece.run_end;
   }
+  return bits;
 }

@@ -18,9 +18,10 @@ typedef struct {
   uint8_t *moved;     /* a stripe: 1 once some displacement in it was not zero */
   int keep_resting;   /* 1: compute resting stripes too (tests) */
   /* precision mixed, part of the state: no bond's ends have moved apart by more than `widest` (m),
-     measured `steps` steps ago; `unit` is the body's length_unit, 0 before the first step */
+     measured `steps` steps ago; `unit` is the body's length_unit, 0 before the first step; `force`:
+     no bond's is larger, N */
   struct {
-    double widest, unit, steps;
+    double widest, unit, steps, force;
   } bound;
   double *booked;             /* a stripe: energy of bonds lost so far, J (critical_stretch) */
   struct sdr_mean_kept *mean; /* of mean_keep; NULL: never asked */
@@ -76,6 +77,9 @@ sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
    which the velocities v led in a step of dt (0: the first). */
 sdr_status sdr_bond_set_mixed(sdr_bond_body *body);
 void sdr_bond_split(sdr_bond_model *model, double *const u[3], double *const v[3], double dt);
+
+/* Note the bits that the forces have (sdr_mixed_force), if they were watched. */
+void sdr_bond_take_bits(sdr_bond_model *model, int32_t bits);
 
 /* Parts of the model in their own files. */
 sdr_status sdr_bond_set_constants(sdr_bond_body *body, const sdr_families *families,

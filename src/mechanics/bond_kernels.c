@@ -23,10 +23,10 @@
     force_of_loose(n, code, each, commit, body, first, end, u, f);                                 \
   }
 #define SDR_MIXED(law, code, n, each)                                                              \
-  static void mixed_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,       \
-                                      double *const u[3], double *const f[3])                      \
+  static int32_t mixed_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \
+                                         double *const u[3], double *const f[3])                   \
   {                                                                                                \
-    force_of_runs_float(n, code, each, 1, body, first, end, u, f);                                 \
+    return force_of_runs_float(n, code, each, 1, body, first, end, u, f);                          \
   }
 #define SDR_ENERGIES(law, code, n, each)                                                           \
   static void energies_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \

@@ -195,6 +195,8 @@ SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_b
 }
 
 #define SDR_REAL double
+#define SDR_MEND(of, phi) (phi)
+#define SDR_BITS(body, components, F, count) 0
 #define SDR_WHOLE double
 #define SDR_WIDE(sum) (sum)
 #define SDR_NAMED(name) name##_double
@@ -208,6 +210,8 @@ SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_b
 #define SDR_DIFFERENCE(a) (block->uj[a][k] - block->ui[a][k])
 #include "mechanics/bond_force.h"
 #undef SDR_REAL
+#undef SDR_MEND
+#undef SDR_BITS
 #undef SDR_WHOLE
 #undef SDR_WIDE
 #undef SDR_NAMED
@@ -219,9 +223,38 @@ SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_b
 #undef SDR_SHARED_STIFFNESS
 #undef SDR_DIFFERENCE
 
+enum { SDR_WHOLES = 16 }; /* whole numbers that are looked at together */
+
+SDR_INLINE int32_t amount_bits(int32_t x)
+{
+  return x ^ (x >> 31);
+}
+
+/* All bits that the amounts of a block's forces have; behind its pairs stand zeros. */
+SDR_INLINE int32_t bits_of(const int components, int32_t *const F[3], int count)
+{
+  const int n = (count + SDR_WHOLES - 1) / SDR_WHOLES * SDR_WHOLES;
+  int32_t bits = 0;
+#pragma omp simd reduction(| : bits)
+  for (int k = 0; k < n; ++k) {
+    bits |= amount_bits(F[0][k]);
+    if (components > 1) bits |= amount_bits(F[1][k]);
+    if (components > 2) bits |= amount_bits(F[2][k]);
+  }
+  return bits;
+}
+
+/* A pair's factor with what rounding took from its class's stiffness. */
+SDR_INLINE float mended(float rest, float phi)
+{
+  return SDR_FMA_float(phi, rest, phi);
+}
+
 /* Lengths in whole units of body->length_unit, forces in those of body->force_unit, as
    bond_mixed.c chooses them. A pair's force is C w (unit/|xi|) (s/r) ((xi + eta)/unit). */
 #define SDR_REAL float
+#define SDR_MEND(of, phi) mended((of).rest, phi)
+#define SDR_BITS(body, components, F, count) ((body)->watch ? bits_of(components, F, count) : 0)
 #define SDR_WHOLE int32_t
 #define SDR_WIDE(sum) ((double)(sum))
 #define SDR_NAMED(name) name##_float
@@ -235,37 +268,23 @@ SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_b
   ((float)(int32_t)((uint32_t)block->place_j[a][k] - (uint32_t)block->place_i[a][k]))
 #include "mechanics/bond_force.h"
 
-enum { SDR_PLACES = 16 }; /* whole numbers that are looked at together */
-
-/* most[lane] takes in how far the places of SDR_PLACES pairs differ. */
-SDR_INLINE void widen(const int32_t *from, const int32_t *to, int32_t most[SDR_PLACES])
-{
-#pragma omp simd
-  for (int lane = 0; lane < SDR_PLACES; ++lane) {
-    const int32_t apart = (int32_t)((uint32_t)to[lane] - (uint32_t)from[lane]);
-    const int32_t amount = apart < 0 ? ~apart : apart;
-    most[lane] = amount > most[lane] ? amount : most[lane];
-  }
-}
-
-/* The most that the places of a bond's ends differ in one component. A run's last pairs are looked
-   at twice; of runs that are too short for that, whatever follows them as well. */
+/* The most that the places of a bond's ends differ in one component. */
 SDR_INLINE int32_t apart_of_runs(const int components, const sdr_bond_body *body, int64_t first,
                                  int64_t end)
 {
-  _Alignas(64) int32_t most[SDR_PLACES] = {0};
-  int32_t all = 0;
+  int32_t most = 0;
   for (int64_t r = first; r < end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
-    const int32_t last = run->length > SDR_PLACES ? run->length - SDR_PLACES : 0;
     for (int a = 0; a < components; ++a) {
       const int32_t *const from = body->place[a] + run->i0, *const to = body->place[a] + run->j0;
-      for (int32_t k = 0; k < last; k += SDR_PLACES) widen(from + k, to + k, most);
-      widen(from + last, to + last, most);
+#pragma omp simd reduction(max : most)
+      for (int32_t k = 0; k < run->length; ++k) {
+        const int32_t apart = amount_bits((int32_t)((uint32_t)to[k] - (uint32_t)from[k]));
+        most = apart > most ? apart : most;
+      }
     }
   }
-  for (int lane = 0; lane < SDR_PLACES; ++lane) all = most[lane] > all ? most[lane] : all;
-  return all;
+  return most;
 }
 
 /* ---- the reference tangent, for the stable step ---------------------------------------------- */

@@ -5,7 +5,7 @@
    does not. So the unit of length follows from how far the ends of any bond have moved apart, which
    is known without looking at bonds in each step: it was measured a few steps ago, and since then
    no difference can have grown faster than the spread of the velocities. The unit of force follows
-   from the same bound, since no force exceeds stiffness times that. */
+   in the same way from the largest force, which cannot grow faster than stiffness times that. */
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
@@ -14,7 +14,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { MOST_STRIPES = 256, STEPS_A_MEASURE = 8 };
+enum { MOST_STRIPES = 256, STEPS_A_MEASURE = 16, STEPS_A_WATCH = 8 };
 
 typedef struct {
   sdr_bond_model *model;
@@ -93,14 +93,6 @@ static void set_length_unit(sdr_bond_body *body, double widest, double largest)
   body->per_length_unit = 1.0 / body->length_unit;
 }
 
-/* Forces of SDR_BAND bonds together stay below 2^31 units: none is above `stiffest` times the
-   motion of its ends. */
-static void set_force_unit(sdr_bond_body *body, double widest)
-{
-  const double apart = sqrt(3.0) * fmax(widest, ldexp(body->length_unit, 20));
-  body->force_unit = next_power(ldexp(5.1 * body->stiffest * apart, -31));
-}
-
 /* What pairs of a class share, in these units. */
 static void set_terms(sdr_bond_body *body)
 {
@@ -112,11 +104,31 @@ static void set_terms(sdr_bond_body *body)
     for (int a = 0; a < 3; ++a) out->xi[a] = (float)(class->xi[a] * per_unit);
     const double inverse = unit * unit * class->inverse_square;
     out->inverse_square = (float)inverse;
-    /* their product is the stiffness: let the one mend the other's rounding */
-    const double mended = stiffness * inverse / (double)out->inverse_square;
-    out->wij = (float)(class->by_length_ij * mended);
-    out->wji = (float)(class->by_length_ji * mended);
+    out->wij = (float)(class->by_length_ij * stiffness);
+    out->wji = (float)(class->by_length_ji * stiffness);
+    const double left = (double)out->inverse_square * ((double)out->wij + (double)out->wji);
+    out->rest =
+        (float)(inverse * stiffness * (class->by_length_ij + class->by_length_ji) / left - 1.0);
   }
+}
+
+/* Five bonds (SDR_BAND) of force `largest` (N) together stay below 2^31 units. */
+static void set_force_unit(sdr_bond_body *body, double largest)
+{
+  body->force_unit = next_power(ldexp(5.1 * largest, -31));
+  set_terms(body);
+}
+
+/* The force that no bond can exceed: stiffness times the motion of its ends. */
+static double most_force(const sdr_bond_model *model)
+{
+  const double apart = fmax(model->bound.widest, ldexp(model->body.length_unit, 20));
+  return sqrt(3.0) * model->body.stiffest * apart;
+}
+
+void sdr_bond_take_bits(sdr_bond_model *model, int32_t bits)
+{
+  if (model->body.watch) model->bound.force = ((double)bits + 1.0) * model->body.force_unit;
 }
 
 /* How far any two points are apart in u at most, m. */
@@ -158,9 +170,13 @@ void sdr_bond_split(sdr_bond_model *model, double *const u[3], double *const v[3
     if (*widest < ldexp(body->length_unit, 31) && all.largest < ldexp(body->length_unit, 51)) break;
     set_length_unit(body, *widest, all.largest);
   }
-  set_force_unit(body, *widest);
-  set_terms(body);
   model->bound.unit = body->length_unit;
+  /* no law lets a force grow by more than stiffness times motion */
+  const double most = most_force(model);
+  model->bound.force += sqrt(3.0) * body->stiffest * (*widest - before);
+  if (!known || model->bound.force > most) model->bound.force = most;
+  set_force_unit(body, fmax(model->bound.force, ldexp(most, -24)));
+  body->watch = fmod(model->bound.steps, STEPS_A_WATCH) == 0.0;
 }
 
 sdr_status sdr_bond_set_mixed(sdr_bond_body *body)
