@@ -14,7 +14,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { MOST_STRIPES = 256, STEPS_A_MEASURE = 16, STEPS_A_WATCH = 8 };
+enum { MOST_STRIPES = 256, STEPS_A_MEASURE = 16, STEPS_A_WATCH = 4 };
 
 typedef struct {
   sdr_bond_model *model;
