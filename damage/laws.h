@@ -35,8 +35,8 @@
   X(variational, SDR_LAW_VARIATIONAL)                                                              \
   X(critical_stretch, SDR_LAW_CRITICAL_STRETCH)
 
-#define SDR_COUNT_LAW(name, code) +1
-enum { SDR_LAW_COUNT = 0 SDR_LAWS(SDR_COUNT_LAW) };
+#define SDR_COUNT_LAW(name, code) SDR_COUNTED_##name,
+enum { SDR_LAWS(SDR_COUNT_LAW) SDR_LAW_COUNT };
 
 #define SDR_LAW_NAME(name, code) [code] = #name,
 /* Their names in scenes, by enumerator; NULL at the end. */

@@ -250,19 +250,18 @@ SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * 
   }
 }
 
-/* Forces of a band's piece, and their bits if they are whole. `end`: that of all runs at hand. */
+/* Forces of a band's piece, and their bits if they are whole. */
 SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law, const int each,
                                             const int commit, const sdr_bond_body *body,
-                                            const sdr_band_piece *piece, int64_t end,
-                                            double *const u[3], double *const f[3],
-                                            SDR_NAMED(sdr_band) * band)
+                                            const sdr_band_piece *piece, double *const u[3],
+                                            double *const f[3], SDR_NAMED(sdr_band) * band)
 {
   int32_t bits = 0;
   band->count = 0;
   for (int64_t r = piece->run; r < piece->run_end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
     const sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
-    fetch_next(law, body, piece, r, end);
+    fetch_next(law, body, piece, r, piece->runs_end);
     if (block.count <= 0) continue;
     const int c = band->count++;
     SDR_WHOLE *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
@@ -296,12 +295,11 @@ SDR_INLINE int32_t SDR_NAMED(force_of_runs)(const int components, const int law,
     for (int a = 0; a < components; ++a)
       memset(band.force[c][a], 0, SDR_MARGIN * sizeof(SDR_WHOLE));
   for (int64_t r = first; r < end;) {
-    sdr_band_piece piece = {.run = r, .run_end = end};
+    sdr_band_piece piece = {.run = r, .run_end = end, .runs_end = end};
     find_band(body->bonds->runs, &piece);
     for (; piece.from < piece.last; piece.from = piece.end) {
       piece.end = piece.last - piece.from < SDR_BLOCK ? piece.last : piece.from + SDR_BLOCK;
-      bits |=
-          SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, end, u, f, &band);
+      bits |= SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, u, f, &band);
     }
     r = piece.run_end;
   }

@@ -106,9 +106,10 @@ SDR_INLINE sdr_block run_block(const int components, const sdr_bond_body *body,
   return block_at(components, body, run, from, from + (rest < SDR_BLOCK ? rest : SDR_BLOCK), u);
 }
 
-/* Runs [run, run_end) of a band, with i in [from, end); `last`: where the band's points i end. */
+/* Runs [run, run_end) of a band, with i in [from, end); `last`: where the band's points i end;
+   `runs_end`: where all runs at hand do. */
 typedef struct {
-  int64_t run, run_end;
+  int64_t run, run_end, runs_end;
   int32_t from, end, last;
 } sdr_band_piece;
 
@@ -227,6 +228,8 @@ enum { SDR_WHOLES = 16 }; /* whole numbers that are looked at together */
 
 SDR_INLINE int32_t amount_bits(int32_t x)
 {
+  /* gcc and clang shift the sign in; x < 0 ? ~x : x says the same. */
+  /* cppcheck-suppress shiftTooManyBitsSigned */
   return x ^ (x >> 31);
 }
 

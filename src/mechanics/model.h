@@ -125,8 +125,8 @@ typedef struct {
   sdr_status (*mean_keep)(sdr_model *model, double *const u0[3], double *const u1[3],
                           double *const f[3]);
   /* out = -d(mean_force)/d(u1) v, exact away from kinks. N/m times m. */
-  void (*mean_times)(sdr_model *model, double *const u0[3], double *const u1[3],
-                     double *const v[3], double *const out[3]);
+  void (*mean_times)(sdr_model *model, double *const u0[3], double *const u1[3], double *const v[3],
+                     double *const out[3]);
   /* Its diagonal blocks: components^2 values a point, row major. */
   void (*mean_diagonal)(sdr_model *model, double *const u0[3], double *const u1[3], double *out);
   /* -d(mean_force)/d(u1) in parts; not symmetric. */

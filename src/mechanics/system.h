@@ -49,7 +49,7 @@ typedef struct {
   double *mass; /* kg */
   double time;  /* s */
   int64_t step;
-  int over; /* 1: the integrator has come to an end before the run's */
+  int over;               /* 1: the integrator has come to an end before the run's */
   double velocity_offset; /* s; leapfrog: minus half a step */
 
   const sdr_time_scene *how; /* what the scene asks of the integrator, borrowed; NULL: nothing */

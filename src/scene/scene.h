@@ -271,7 +271,7 @@ typedef struct {
   int component;     /* of the field, in the order of sdr_model_field; -1: length of the vector */
   char quantity[24]; /* of the whole body; "": none */
   char support[SDR_NAME_MAX]; /* quantity reaction: which support's */
-  int at_point;      /* 1: the point nearest to `point`; 0: those of `on` */
+  int at_point;               /* 1: the point nearest to `point`; 0: those of `on` */
   double point[3];
   sdr_place on;
   int over_time;      /* 1: from .. until, every so many steps; 0: at one instant */

@@ -90,7 +90,8 @@ static sdr_status renew_factor(sdr_newton *n, const double *u)
   return SDR_OK;
 }
 
-/* A factor is stale when the products that it costs have taken about a quarter as long as another. */
+/* A factor is stale when the products that it costs have taken about a quarter as long as another.
+ */
 static int is_stale(const sdr_newton *n)
 {
   const double most = n->solve_seconds > 0.0 ? 0.25 * n->factor_seconds / n->solve_seconds : 10.0;
