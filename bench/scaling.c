@@ -181,7 +181,7 @@ static sdr_status draw(const table *t, const char *directory)
     }
     fputs("E\n", picture.script);
   }
-  fputs("set logscale x\nset format x '10^{%T}'\nset tics nomirror\nset xtics\nset ytics\n"
+  fputs("set logscale x\nset format x '%.0s%c'\nset tics nomirror\nset xtics\nset ytics\n"
         "set grid lc '#e0e0e0'\nset border 3\nset xlabel 'points'\nset yrange [0:*]\n"
         "set size 0.5,1\nset origin 0,0\nset key top right\n"
         "set ylabel 'ns a directed bond and step'\n"
