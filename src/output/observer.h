@@ -3,6 +3,7 @@
 #ifndef SDR_OUTPUT_OBSERVER_H
 #define SDR_OUTPUT_OBSERVER_H
 
+#include "mechanics/refine.h"
 #include "mechanics/system.h"
 #include "scene/scene.h"
 
@@ -44,6 +45,14 @@ typedef struct {
      `resumed` is called (NULL: nothing to do): cut files back to moment->time and go on. */
   void (*state)(sdr_observer *observer, sdr_state_block *blocks, int *count);
   sdr_status (*resumed)(sdr_observer *observer, const sdr_moment *moment);
+
+  /* Points have split: moment->system and its model are over the new points, those of before are
+     gone. Points that the observer borrowed, indices and arrays over points must be made anew;
+     `map` tells which became which. On resume from a run that had refined, called before its state
+     is read (sizes must fit then) with a map from the first points. NULL: nothing depends on
+     points. */
+  sdr_status (*points_changed)(sdr_observer *observer, const sdr_moment *moment,
+                               const sdr_point_map *map);
 
   void (*destroy)(sdr_observer *observer);
 } sdr_observer_ops;
