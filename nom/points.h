@@ -7,11 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Consecutive points of one lattice row: first .. first + length - 1, at the lattice coordinates
-   cell, cell + e, cell + 2 e, ... with e the unit step along the points' row_axis. */
+/* Consecutive points of one lattice row: first .. first + length - 1, of one level, horizon and
+   volume, at the coordinates cell, cell + e, cell + 2 e, ... in the lattice of their level, with e
+   the unit step along the points' row_axis. */
 typedef struct {
   int32_t first, length;
   int32_t cell[3];
+  int32_t level;
 } sdr_row;
 
 enum { SDR_NO_FAMILY = 0x80, SDR_LAYERS = 0x7f };
@@ -37,10 +39,14 @@ typedef struct {
   int32_t *generated; /* index in the order of generation; NULL: the same order. Random numbers are
                          drawn in that order, so that they do not depend on the storage order */
 
-  /* On one lattice (no jitter, no levels), else row_count = 0: */
-  int32_t *cell; /* 3 a point, lattice coordinates; consumed (freed) by sdr_points_arrange */
-  double lattice_spacing;
-  double axes[3][3]; /* axes[a]: unit vector of lattice axis a; identity if not turned */
+  /* On one lattice, or on nested ones that halve from level to level (no jitter), else row_count =
+     0. The cells of level L have the size lattice_spacing / 2^L; a point lies in the middle of its
+     cell c, at corner + sum over a of axes[a] (c_a + 1/2) size, with one corner for all levels, so
+     that the children of c are 2 c + {0, 1} a component. Points of any level may lie anywhere; two
+     points of a level never share a cell. */
+  int32_t *cell;          /* 3 a point; consumed (freed) by sdr_points_arrange */
+  double lattice_spacing; /* of level 0 */
+  double axes[3][3];      /* axes[a]: unit vector of lattice axis a; identity if not turned */
   int row_axis;
   int row_count;
   sdr_row *rows; /* in storage order; a row never crosses a stripe */
@@ -60,8 +66,9 @@ void sdr_points_destroy(sdr_points **points); /* NULL-safe */
 /* Elements that an array over the points must hold: owned and ghosts, padded with whole lanes. */
 size_t sdr_points_padded(const sdr_points *points);
 
-/* Bring the points into storage order (lattices: rows within slabs, else along a space-filling
-   curve), set `generated`, rows and stripes. Needs x and horizon, and cell on a lattice. */
+/* Bring the points into storage order (lattices: slab by slab, in a slab level by level, in a level
+   row by row; else along a space-filling curve), set `generated`, rows and stripes. Needs x and
+   horizon, and on a lattice cell, volume and, where some point is not of level 0, level. */
 sdr_status sdr_points_arrange(sdr_points *points);
 
 /* 1 if point i is one of the body, not of a layer outside it. */
