@@ -39,14 +39,28 @@ static void print_points(const sdr_built *built, FILE *out)
     fprintf(out, "cut at the start    %lld directed bonds\n", (long long)built->cut_bonds);
 }
 
+/* Components that the supports take from the unknowns: a prescribed mean takes one of all its
+   points'. */
+static long long count_held(const sdr_supports *supports, const double *motion)
+{
+  const sdr_prescribed *list = sdr_supports_list(supports);
+  const int32_t count = sdr_supports_count(supports);
+  long long held = 0;
+  for (int32_t k = 0; k < count; ++k) held += list[k].mean < 0 && !isnan(motion[k]);
+  for (int mean = 0; mean < sdr_supports_means(supports); ++mean) {
+    int32_t k = 0;
+    while (k < count && (list[k].mean != mean || isnan(motion[k]))) ++k;
+    held += k < count;
+  }
+  return held;
+}
+
 static sdr_status print_static(const sdr_built *built, FILE *out)
 {
   sdr_system *system = built->system;
-  const int32_t count = sdr_supports_count(built->supports);
   const long long unknowns = (long long)system->count * system->components;
-  long long held = 0;
   SDR_TRY(sdr_supports_values(built->supports, built->step, system->motion));
-  for (int32_t k = 0; k < count; ++k) held += !isnan(system->motion[k]);
+  const long long held = count_held(built->supports, system->motion);
   if (built->scene->time.linear)
     fprintf(out, "static solution     at t = %g s", built->step);
   else

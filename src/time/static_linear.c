@@ -133,6 +133,7 @@ static sdr_status set_up(problem *p)
   SDR_TRY(assemble(p));
   SDR_TRY(make_right_side(p));
   SDR_TRY(sdr_constraints_reduce(&p->constraints, &p->stiffness, &p->reduced));
+  sdr_csr_destroy(&p->stiffness); /* make room for the factor */
   p->system->solve.assemble_seconds = wall() - from;
   return SDR_OK;
 }
@@ -205,14 +206,27 @@ static sdr_status solve(problem *p)
 
 /* ---- the solved state ------------------------------------------------------------------------ */
 
+/* force = K u. The matrix is gone: the model multiplies, at rest and with u for a velocity. */
+static sdr_status find_force(problem *p)
+{
+  sdr_system *system = p->system;
+  const int m = system->components;
+  for (int32_t i = 0; i < system->count; ++i)
+    for (int a = 0; a < m; ++a) system->v[a][i] = p->u[i * m + a];
+  SDR_TRY(system->model->ops->tangent_times(system->model, system->u, system->v, system->f));
+  for (int32_t i = 0; i < system->count; ++i)
+    for (int a = 0; a < m; ++a) p->force[i * m + a] = system->f[a][i];
+  return SDR_OK;
+}
+
 /* u = a + B q, and how far the bent body's own forces are from the linear K u. */
-static void show(problem *p)
+static sdr_status show(problem *p)
 {
   sdr_system *system = p->system;
   const int m = system->components;
   double apart = 0.0, whole = 0.0;
   sdr_constraints_expand(&p->constraints, p->q, p->u);
-  sdr_csr_times(&p->stiffness, p->u, p->force);
+  SDR_TRY(find_force(p));
   for (int32_t i = 0; i < system->count; ++i)
     for (int a = 0; a < m; ++a) system->u[a][i] = p->u[i * m + a];
   system->model->ops->force(system->model, system->u, system->f);
@@ -223,6 +237,7 @@ static void show(problem *p)
       whole += linear * linear;
     }
   system->solve.nonlinearity = whole > 0.0 ? sqrt(apart / whole) : 0.0;
+  return SDR_OK;
 }
 
 /* Total forces, zero but for rounding: the body's and its layers', the loads, the reactions. */
@@ -269,8 +284,8 @@ static sdr_status step(sdr_system *system, double dt)
   ++system->step;
   sdr_status status = set_up(&p);
   if (status == SDR_OK) status = solve(&p);
+  if (status == SDR_OK) status = show(&p);
   if (status == SDR_OK) {
-    show(&p);
     balance(&p);
     book(&p);
   }

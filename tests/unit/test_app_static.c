@@ -116,6 +116,15 @@ static void check_says_what_would_be_solved(void **state)
   assert_null(strstr(s.out, "stable step"));
 }
 
+static void check_counts_a_prescribed_mean_once(void **state)
+{
+  (void)state;
+  said s;
+  write_text("plate.yaml", scene);
+  succeed(&s, "sunder check plate.yaml --set supports.0.mean=true");
+  assert_non_null(strstr(s.out, ": 1600 components, 2 of them prescribed; "));
+}
+
 static void used_yaml_runs_again(void **state)
 {
   (void)state;
@@ -155,6 +164,7 @@ int main(void)
       cmocka_unit_test(a_support_s_reaction_can_be_measured),
       cmocka_unit_test(its_history_has_two_rows_with_the_reactions),
       cmocka_unit_test(check_says_what_would_be_solved),
+      cmocka_unit_test(check_counts_a_prescribed_mean_once),
       cmocka_unit_test(used_yaml_runs_again),
       cmocka_unit_test(a_body_that_nothing_holds_ends_with_its_message),
       cmocka_unit_test(a_step_of_another_integrator_is_said_to_be_idle),
