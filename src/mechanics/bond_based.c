@@ -83,14 +83,15 @@ static void compute_force(sdr_bond_model *model, int commit, double *const u[3],
   const int n = model->head.points->components, each = model->body.stiffness_at != NULL;
   const int mixed = commit && model->body.mixed;
   force_call call = {.model = model,
-                     .run = model->kernels->run_force[model->body.law][n - 1][each][commit],
+                     .run = model->kernels->run_force[model->body.law][n - 1][each],
                      .mixed = mixed ? model->kernels->mixed_run_force[model->body.law][n - 1][each]
                                     : NULL,
-                     .loose = model->kernels->loose_force[model->body.law][n - 1][each][commit],
+                     .loose = model->kernels->loose_force[model->body.law][n - 1][each],
                      .u = u,
                      .v = v,
                      .f = f,
                      .dt = dt};
+  model->body.commit = commit;
   sdr_bond_watch(model, u);
   if (mixed) sdr_bond_split(model, u, v, dt);
   sdr_each_stripe(model->head.points, force_of_stripe, &call);
@@ -290,6 +291,7 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .mean_diagonal = sdr_bond_mean_diagonal,
                                   .visit_mean_tangent = sdr_bond_visit_mean_tangent,
                                   .mark = sdr_bond_mark,
+                                  .visit_lost = sdr_bond_visit_lost,
                                   .skip_rest = skip_rest,
                                   .traits = traits,
                                   .state = state,

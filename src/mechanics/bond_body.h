@@ -38,6 +38,7 @@ typedef struct {
   float *relative_stiffness, *float_threshold;
   double length_unit, force_unit, per_length_unit, stiffest;
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
+  int commit;                       /* 1: histories take in what force kernels see */
 } sdr_bond_body;
 
 /* Energies of a stripe. */
@@ -46,7 +47,7 @@ typedef struct {
   int64_t broken;
 } sdr_stripe_energies;
 
-/* Runs [first, end): f += force. `commit` has the history take the state in. */
+/* Runs [first, end): f += force. body->commit has the history take the state in. */
 typedef void (*sdr_run_force)(const sdr_bond_body *body, int64_t first, int64_t end,
                               double *const u[3], double *const f[3]);
 /* The same in whole numbers (mixed): all bits that some force has, if
@@ -69,10 +70,10 @@ typedef int32_t (*sdr_run_apart)(const sdr_bond_body *body, int64_t first, int64
 /* The kernels of one instruction set. */
 typedef struct {
   const char *name; /* "avx512", "avx2", "baseline" */
-  /* [law][components - 1][moduli a point: 1, shared: 0][commit] */
-  sdr_run_force run_force[SDR_LAW_COUNT][3][2][2];
-  sdr_mixed_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* commit; NULL: the law has none */
-  sdr_loose_force loose_force[SDR_LAW_COUNT][3][2][2];
+  /* [law][components - 1][moduli a point: 1, shared: 0] */
+  sdr_run_force run_force[SDR_LAW_COUNT][3][2];
+  sdr_mixed_force mixed_run_force[SDR_LAW_COUNT][3][2]; /* these commit; NULL: the law has none */
+  sdr_loose_force loose_force[SDR_LAW_COUNT][3][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
   sdr_run_damage run_damage[SDR_LAW_COUNT][3][2];
   sdr_run_apart run_apart[3]; /* [components - 1] */

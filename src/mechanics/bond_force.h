@@ -109,7 +109,7 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_elongation)(const int components,
 
 /* Stiffness times force factor of pair k of a block, whose history takes the stretch in. */
 SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const int marked,
-                                           const int commit, const sdr_bond_body *body,
+                                           const sdr_bond_body *body,
                                            const SDR_NAMED(sdr_terms) * of, const sdr_block *block,
                                            int k, SDR_REAL z)
 {
@@ -122,13 +122,13 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const 
   const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
   if (law == SDR_LAW_VARIATIONAL) {
     const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
-    if (commit) block->stretch[k] = grown;
+    block->new_stretch[k] = grown;
     return SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
   }
   if (sdr_law_softens(law)) { /* these have one form for all kinds of number */
     const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
     const double kept = grown > 0.0f ? (double)grown : 0.0;
-    if (commit) block->stretch[k] = grown;
+    block->new_stretch[k] = grown;
     const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, kept).left;
     const SDR_REAL soft_j =
         each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, kept).left : soft_i;
@@ -139,7 +139,7 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const 
   SDR_REAL left = ci + cj;
   if (law == SDR_LAW_CRITICAL_STRETCH) {
     const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
-    if (commit) block->flags[k] = grown;
+    block->new_flags[k] = grown;
     left = (grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj);
   } else if (marked) {
     left = block->flags[k] & SDR_CUT ? zero : left;
@@ -158,9 +158,8 @@ SDR_INLINE int SDR_NAMED(whole_vectors)(const sdr_block *block)
 /* Forces of a block into F. With a damage law in three loops: the way from displacement to force is
    so long that in one loop a processor would not see enough pairs at once to keep busy. */
 SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
-                                          const int marked, const int commit,
-                                          const sdr_bond_body *body, const sdr_block *block,
-                                          SDR_WHOLE *const F[3])
+                                          const int marked, const sdr_bond_body *body,
+                                          const sdr_block *block, SDR_WHOLE *const F[3])
 {
   const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
   const int split = law != SDR_LAW_NONE, n = SDR_NAMED(whole_vectors)(block);
@@ -177,7 +176,7 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
       if (components > 2) Y[2][k] = of.xi[2] + e.z;
     } else {
       const SDR_REAL phi =
-          SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, z));
+          SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, body, &of, block, k, z));
       fx[k] = (SDR_WHOLE)(phi * (of.xi[0] + e.x));
       if (components > 1) fy[k] = (SDR_WHOLE)(phi * (of.xi[1] + e.y));
       if (components > 2) fz[k] = (SDR_WHOLE)(phi * (of.xi[2] + e.z));
@@ -186,8 +185,7 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
   if (!split) return;
 #pragma omp simd
   for (int k = 0; k < n; ++k)
-    P[k] =
-        SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, commit, body, &of, block, k, Z[k]));
+    P[k] = SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, body, &of, block, k, Z[k]));
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
     fx[k] = (SDR_WHOLE)(P[k] * Y[0][k]);
@@ -203,6 +201,8 @@ typedef struct {
   int64_t i[SDR_BAND], j[SDR_BAND]; /* of the first pair */
   int32_t length[SDR_BAND];
   _Alignas(64) SDR_WHOLE force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
+  float stretch[SDR_BLOCK + SDR_MARGIN]; /* histories that nobody keeps */
+  sdr_flags flags[SDR_BLOCK + SDR_MARGIN];
 } SDR_NAMED(sdr_band);
 
 /* f += unit times the sum of `count` forces: once for all runs of a band, since what costs most is
@@ -252,28 +252,30 @@ SDR_INLINE void SDR_NAMED(add_band)(const int components, SDR_NAMED(sdr_band) * 
 
 /* Forces of a band's piece, and their bits if they are whole. */
 SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law, const int each,
-                                            const int commit, const sdr_bond_body *body,
-                                            const sdr_band_piece *piece, double *const u[3],
-                                            double *const f[3], SDR_NAMED(sdr_band) * band)
+                                            const sdr_bond_body *body, const sdr_band_piece *piece,
+                                            double *const u[3], double *const f[3],
+                                            SDR_NAMED(sdr_band) * band)
 {
   int32_t bits = 0;
   band->count = 0;
   for (int64_t r = piece->run; r < piece->run_end; ++r) {
     const sdr_bond_run *run = &body->bonds->runs[r];
-    const sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
+    sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
+    block.new_stretch = body->commit ? block.stretch : band->stretch;
+    block.new_flags = body->commit ? block.flags : band->flags;
     fetch_next(law, body, piece, r, piece->runs_end);
     if (block.count <= 0) continue;
     const int c = band->count++;
     SDR_WHOLE *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
                              band->force[c][2] + SDR_MARGIN};
     if (body->run_marked && body->run_marked[r])
-      SDR_NAMED(force_of_block)(components, law, each, 1, commit, body, &block, F);
+      SDR_NAMED(force_of_block)(components, law, each, 1, body, &block, F);
     else
-      SDR_NAMED(force_of_block)(components, law, each, 0, commit, body, &block, F);
+      SDR_NAMED(force_of_block)(components, law, each, 0, body, &block, F);
     for (int a = 0; a < components; ++a)
       memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_WHOLE));
     bits |= SDR_BITS(body, components, F, block.count);
-    if (law == SDR_LAW_CRITICAL_STRETCH && commit && fresh_in(&block)) body->run_fresh[r] = 1;
+    if (law == SDR_LAW_CRITICAL_STRETCH && body->commit && fresh_in(&block)) body->run_fresh[r] = 1;
     band->i[c] = block.i;
     band->j[c] = block.j;
     band->length[c] = block.count;
@@ -285,9 +287,8 @@ SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law,
 }
 
 SDR_INLINE int32_t SDR_NAMED(force_of_runs)(const int components, const int law, const int each,
-                                            const int commit, const sdr_bond_body *body,
-                                            int64_t first, int64_t end, double *const u[3],
-                                            double *const f[3])
+                                            const sdr_bond_body *body, int64_t first, int64_t end,
+                                            double *const u[3], double *const f[3])
 {
   SDR_NAMED(sdr_band) band;
   int32_t bits = 0;
@@ -299,7 +300,7 @@ SDR_INLINE int32_t SDR_NAMED(force_of_runs)(const int components, const int law,
     find_band(body->bonds->runs, &piece);
     for (; piece.from < piece.last; piece.from = piece.end) {
       piece.end = piece.last - piece.from < SDR_BLOCK ? piece.last : piece.from + SDR_BLOCK;
-      bits |= SDR_NAMED(force_of_band)(components, law, each, commit, body, &piece, u, f, &band);
+      bits |= SDR_NAMED(force_of_band)(components, law, each, body, &piece, u, f, &band);
     }
     r = piece.run_end;
   }

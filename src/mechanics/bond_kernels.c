@@ -10,23 +10,23 @@
 #define SDR_TEXT_(a) #a
 #define SDR_TEXT(a) SDR_TEXT_(a)
 
-/* One force instance: law, components, moduli a point, commit. */
-#define SDR_FORCE(law, code, n, each, commit)                                                      \
-  static void force_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
-                                              int64_t end, double *const u[3], double *const f[3]) \
+/* One force instance: law, components, moduli a point. */
+#define SDR_FORCE(law, code, n, each)                                                              \
+  static void force_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,       \
+                                      double *const u[3], double *const f[3])                      \
   {                                                                                                \
-    force_of_runs_double(n, code, each, commit, body, first, end, u, f);                           \
+    force_of_runs_double(n, code, each, body, first, end, u, f);                                   \
   }                                                                                                \
-  static void loose_##law##_##n##each##commit(const sdr_bond_body *body, int64_t first,            \
-                                              int64_t end, double *const u[3], double *const f[3]) \
+  static void loose_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,       \
+                                      double *const u[3], double *const f[3])                      \
   {                                                                                                \
-    force_of_loose(n, code, each, commit, body, first, end, u, f);                                 \
+    force_of_loose(n, code, each, body, first, end, u, f);                                         \
   }
 #define SDR_MIXED(law, code, n, each)                                                              \
   static int32_t mixed_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \
                                          double *const u[3], double *const f[3])                   \
   {                                                                                                \
-    return force_of_runs_float(n, code, each, 1, body, first, end, u, f);                          \
+    return force_of_runs_float(n, code, each, body, first, end, u, f);                             \
   }
 #define SDR_ENERGIES(law, code, n, each)                                                           \
   static void energies_##law##_##n##each(const sdr_bond_body *body, int64_t first, int64_t end,    \
@@ -52,10 +52,8 @@
     reference_of_runs(n, each, body, first, end, v, f);                                            \
   }
 #define SDR_EACH_MODULI(law, code, n)                                                              \
-  SDR_FORCE(law, code, n, 0, 0)                                                                    \
-  SDR_FORCE(law, code, n, 0, 1)                                                                    \
-  SDR_FORCE(law, code, n, 1, 0)                                                                    \
-  SDR_FORCE(law, code, n, 1, 1)                                                                    \
+  SDR_FORCE(law, code, n, 0)                                                                       \
+  SDR_FORCE(law, code, n, 1)                                                                       \
   SDR_ENERGIES(law, code, n, 0)                                                                    \
   SDR_ENERGIES(law, code, n, 1)                                                                    \
   SDR_DAMAGE(law, code, n, 0)                                                                      \
@@ -85,30 +83,15 @@ SDR_REFERENCE(2, 1)
 SDR_REFERENCE(3, 0)
 SDR_REFERENCE(3, 1)
 
-#define SDR_ROW(kind, law, n)                                                                      \
-  {                                                                                                \
-    {kind##_##law##_##n##00, kind##_##law##_##n##01},                                              \
-    {                                                                                              \
-      kind##_##law##_##n##10, kind##_##law##_##n##11                                               \
-    }                                                                                              \
-  }
-#define SDR_FORCE_ROW(law, code)                                                                   \
-  [code] = {SDR_ROW(force, law, 1), SDR_ROW(force, law, 2), SDR_ROW(force, law, 3)},
-#define SDR_LOOSE_ROW(law, code)                                                                   \
-  [code] = {SDR_ROW(loose, law, 1), SDR_ROW(loose, law, 2), SDR_ROW(loose, law, 3)},
-#define SDR_ENERGIES_ROW(law, code)                                                                \
-  [code] = {{energies_##law##_10, energies_##law##_11},                                            \
-            {energies_##law##_20, energies_##law##_21},                                            \
-            {energies_##law##_30, energies_##law##_31}},
-
-#define SDR_MIXED_ROW(law, code)                                                                   \
-  [code] = {{mixed_##law##_10, mixed_##law##_11},                                                  \
-            {mixed_##law##_20, mixed_##law##_21},                                                  \
-            {mixed_##law##_30, mixed_##law##_31}},
-#define SDR_DAMAGE_ROW(law, code)                                                                  \
-  [code] = {{damage_##law##_10, damage_##law##_11},                                                \
-            {damage_##law##_20, damage_##law##_21},                                                \
-            {damage_##law##_30, damage_##law##_31}},
+#define SDR_ROW(kind, law, code)                                                                   \
+  [code] = {{kind##_##law##_10, kind##_##law##_11},                                                \
+            {kind##_##law##_20, kind##_##law##_21},                                                \
+            {kind##_##law##_30, kind##_##law##_31}},
+#define SDR_FORCE_ROW(law, code) SDR_ROW(force, law, code)
+#define SDR_LOOSE_ROW(law, code) SDR_ROW(loose, law, code)
+#define SDR_ENERGIES_ROW(law, code) SDR_ROW(energies, law, code)
+#define SDR_MIXED_ROW(law, code) SDR_ROW(mixed, law, code)
+#define SDR_DAMAGE_ROW(law, code) SDR_ROW(damage, law, code)
 
 const sdr_bond_kernels SDR_JOIN(sdr_bond_kernels_, SDR_ISA) = {
     .name = SDR_TEXT(SDR_ISA),

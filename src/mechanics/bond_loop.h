@@ -1,6 +1,6 @@
-/* The loops over bonds, written once. `components`, `law`, `each` (moduli a point), `marked` and
-   `commit` are literals where these functions are instantiated (bond_kernels.c), so that nothing of
-   what a scene does not need is left in the loop. */
+/* The loops over bonds, written once. `components`, `law`, `each` (moduli a point) and `marked` are
+   literals where these functions are instantiated (bond_kernels.c), so that nothing of what a scene
+   does not need is left in the loop. */
 #ifndef SDR_MECHANICS_BOND_LOOP_H
 #define SDR_MECHANICS_BOND_LOOP_H
 
@@ -41,6 +41,8 @@ typedef struct {
   const float *ci_float, *cj_float, *qi_float, *qj_float; /* mixed */
   float *stretch;
   sdr_flags *flags;
+  float *new_stretch;   /* where the present history goes: to `stretch`, or nowhere */
+  sdr_flags *new_flags; /* likewise */
   int count;
 } sdr_block;
 

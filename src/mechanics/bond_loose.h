@@ -13,13 +13,12 @@ typedef struct {
   double grown, both, now, ci, cj, qi, qj;
 } sdr_loose_pair;
 
-/* Force over the vector from point to point, variational law; takes the stretch into *history. */
-SDR_INLINE double loose_variational(const int each, const int marked, const int commit,
-                                    const sdr_loose_pair *p, float *history)
+/* Force over the vector from point to point, variational law; *grown: its history. */
+SDR_INLINE double loose_variational(const int each, const int marked, const sdr_loose_pair *p,
+                                    float before, float *grown)
 {
   const double s = p->grown / p->both, whole = p->ci + p->cj;
-  const float k = grown_stretch_double(marked, *history, s);
-  if (commit) *history = k;
+  const float k = *grown = grown_stretch_double(marked, before, s);
   const double kept = (double)k;
   const double a = SDR_FMA_double(kept, kept, p->qi);
   const double b = each ? SDR_FMA_double(kept, kept, p->qj) : 1.0;
@@ -30,33 +29,28 @@ SDR_INLINE double loose_variational(const int each, const int marked, const int 
 }
 
 /* The same for any law that softens; r: its second constant at both points. */
-SDR_INLINE double loose_softened(const int law, const int marked, const int commit,
-                                 const sdr_loose_pair *p, double ri, double rj, float *history)
+SDR_INLINE double loose_softened(const int law, const int marked, const sdr_loose_pair *p,
+                                 double ri, double rj, float before, float *grown)
 {
   const double s = p->grown / p->both;
-  const float k = grown_stretch_double(marked, *history, s);
-  if (commit) *history = k;
+  const float k = *grown = grown_stretch_double(marked, before, s);
   const double kept = k > 0.0f ? (double)k : 0.0;
   const double soft = p->ci * sdr_softening_of(law, kept, p->qi, ri).left +
                       p->cj * sdr_softening_of(law, kept, p->qj, rj).left;
   return stiffness_left_double(marked, s, k, soft, p->ci + p->cj) * s / p->now;
 }
 
-/* What critical stretch leaves of the pair's stiffness; *fresh collects its flags. */
-SDR_INLINE double loose_critical(const int marked, const int commit, const sdr_loose_pair *p,
-                                 sdr_flags *flags, sdr_flags *fresh)
+/* What critical stretch leaves of the pair's stiffness; *grown: its flags. */
+SDR_INLINE double loose_critical(const int marked, const sdr_loose_pair *p, sdr_flags before,
+                                 sdr_flags *grown)
 {
   const double square = p->grown * p->grown, limit = p->both * p->both;
-  const sdr_flags before = *flags;
   const sdr_flags broken = (p->grown > 0.0 && square > p->qi * limit ? SDR_LOST_I : 0) |
                            (p->grown > 0.0 && square > p->qj * limit ? SDR_LOST_J : 0);
   const sdr_flags lost = broken & ~before;
   sdr_flags after = before | lost | lost << 2;
   if (marked) after = before & SDR_PROTECTED ? before : after;
-  if (commit) {
-    *flags = after;
-    *fresh |= after;
-  }
+  *grown = after;
   return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
 }
 
@@ -67,18 +61,24 @@ typedef struct {
   double *const *u;
   _Alignas(64) double sum[3][SDR_LANES];
   _Alignas(64) sdr_flags fresh[SDR_LANES];
+  float stretch[SDR_LANES]; /* histories that nobody keeps */
+  sdr_flags flags[SDR_LANES];
 } sdr_chunk;
 
 /* One column of a chunk: a slot of each of its points. `same`: all pairs have one weight. */
 SDR_INLINE void force_of_column(const int components, const int law, const int each,
-                                const int marked, const int same, const int commit,
-                                const sdr_bond_body *body, sdr_chunk *chunk)
+                                const int marked, const int same, const sdr_bond_body *body,
+                                sdr_chunk *chunk)
 {
   double *const *const u = chunk->u;
   const int64_t point = chunk->point, column = chunk->column;
   const sdr_loose *loose = &body->bonds->loose;
   const int32_t *const restrict neighbour = loose->j + column;
   const double c = body->stiffness, q = body->threshold;
+  float *const stretch = sdr_law_softens(law) ? body->loose_stretch + column : NULL;
+  float *const new_stretch = body->commit ? stretch : chunk->stretch;
+  sdr_flags *const flags = body->loose_flags ? body->loose_flags + column : NULL;
+  sdr_flags *const new_flags = body->commit ? flags : chunk->flags;
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
     const int64_t slot = column + lane, i = point + lane;
@@ -111,18 +111,22 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
                                  each ? body->threshold_at[j] : q};
     double phi = 0.0;
     if (law == SDR_LAW_VARIATIONAL) {
-      phi = loose_variational(each, marked, commit, &pair, &body->loose_stretch[slot]);
+      phi = loose_variational(each, marked, &pair, stretch[lane], &new_stretch[lane]);
     } else if (sdr_law_softens(law)) {
       const int second = each && law == SDR_LAW_COHESIVE;
       const double ri = second ? body->decline_at[i] : body->decline;
       const double rj = second ? body->decline_at[j] : body->decline;
-      phi = loose_softened(law, marked, commit, &pair, ri, rj, &body->loose_stretch[slot]);
+      phi = loose_softened(law, marked, &pair, ri, rj, stretch[lane], &new_stretch[lane]);
     } else {
       double left = pair.ci + pair.cj;
-      if (law == SDR_LAW_CRITICAL_STRETCH)
-        left = loose_critical(marked, commit, &pair, &body->loose_flags[slot], &chunk->fresh[lane]);
-      else if (marked)
-        left = body->loose_flags[slot] & SDR_CUT ? 0.0 : left;
+      if (law == SDR_LAW_CRITICAL_STRETCH) {
+        sdr_flags grown_flags = 0;
+        left = loose_critical(marked, &pair, flags[lane], &grown_flags);
+        new_flags[lane] = grown_flags;
+        chunk->fresh[lane] |= grown_flags;
+      } else if (marked) {
+        left = flags[lane] & SDR_CUT ? 0.0 : left;
+      }
       phi = left * grown / (pair.both * now);
     }
     chunk->sum[0][lane] = SDR_FMA_double(phi, xx + ex, chunk->sum[0][lane]);
@@ -132,8 +136,8 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
 }
 
 SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
-                               const int commit, const sdr_bond_body *body, int64_t chunk,
-                               double *const u[3], double *const f[3])
+                               const sdr_bond_body *body, int64_t chunk, double *const u[3],
+                               double *const f[3])
 {
   const sdr_loose *loose = &body->bonds->loose;
   const int64_t end = loose->chunk_slot[chunk + 1];
@@ -141,24 +145,24 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
   sdr_chunk work = {.point = chunk * SDR_LANES, .column = loose->chunk_slot[chunk], .u = u};
   for (; work.column < end; work.column += SDR_LANES)
     if (body->loose_marked)
-      force_of_column(components, law, each, 1, 0, commit, body, &work);
+      force_of_column(components, law, each, 1, 0, body, &work);
     else if (same)
-      force_of_column(components, law, each, 0, 1, commit, body, &work);
+      force_of_column(components, law, each, 0, 1, body, &work);
     else
-      force_of_column(components, law, each, 0, 0, commit, body, &work);
+      force_of_column(components, law, each, 0, 0, body, &work);
   for (int a = 0; a < components; ++a)
     for (int lane = 0; lane < SDR_LANES; ++lane) f[a][work.point + lane] += work.sum[a][lane];
-  if (law != SDR_LAW_CRITICAL_STRETCH || !commit) return;
+  if (law != SDR_LAW_CRITICAL_STRETCH || !body->commit) return;
   for (int lane = 0; lane < SDR_LANES; ++lane)
     if (work.fresh[lane] & (SDR_FRESH_I | SDR_FRESH_J)) body->chunk_fresh[chunk] = 1;
 }
 
 SDR_INLINE void force_of_loose(const int components, const int law, const int each,
-                               const int commit, const sdr_bond_body *body, int64_t first,
-                               int64_t end, double *const u[3], double *const f[3])
+                               const sdr_bond_body *body, int64_t first, int64_t end,
+                               double *const u[3], double *const f[3])
 {
   for (int64_t chunk = first; chunk < end; ++chunk)
-    force_of_chunk(components, law, each, commit, body, chunk, u, f);
+    force_of_chunk(components, law, each, body, chunk, u, f);
 }
 
 #endif
