@@ -38,7 +38,8 @@ static const char usage[] =
     "\n"
     "SCENE is a YAML file or the name of a folder in problems/. docs/scene.md lists every key.\n"
     "KEY=VALUE overrides a key of the scene, as in --set points.spacing=\"1 mm\".\n"
-    "Exit status: 0 done, 1 bad input, 2 the run failed, 3 a file could not be read or written.\n";
+    "Exit status: 0 done, 1 bad input, 2 the run failed, 3 a file could not be read or written,\n"
+    "4 stopped by SIGINT or SIGTERM after writing DIR/checkpoint.h5.\n";
 
 /* What the command line said. */
 typedef struct {
@@ -161,6 +162,7 @@ static sdr_status run(const command_line *line)
                              .set_count = line->set_count,
                              .sets = line->sets,
                              .quiet = line->quiet,
+                             .stoppable = 1,
                              .scene = path};
   SDR_TRY(read_threads(line->threads, &options.threads));
   if (line->isa) SDR_TRY(sdr_isa_limit(line->isa));

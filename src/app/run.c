@@ -5,6 +5,7 @@
 #include "app/directory.h"
 #include "app/figures.h"
 #include "app/run_equation.h"
+#include "app/stop.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/checkpoint.h"
@@ -161,10 +162,26 @@ static sdr_status observe(run *r)
   return status;
 }
 
+/* Where no checkpoint was due, methods that remember earlier steps begin anew, so only those
+   without such a memory keep the bits of a run that nobody stopped. */
+static sdr_status stop(run *r, const char *signal)
+{
+  const sdr_moment *moment = &r->moment;
+  if (moment->step == r->steps_before)
+    return sdr_fail(SDR_STOPPED, "stopped by %s before the first step", signal);
+  if (r->written < moment->time) SDR_TRY(write_checkpoint(r)); /* else it is there */
+  return sdr_fail(SDR_STOPPED,
+                  "stopped by %s at t = %g s, after %lld steps; to go on, give the same command "
+                  "with --resume %s/checkpoint.h5",
+                  signal, moment->time, (long long)moment->step, r->directory);
+}
+
 static sdr_status integrate(run *r, int resumed)
 {
+  const char *signal;
   if (!resumed) SDR_TRY(observe(r));
   while (!is_over(&r->built)) {
+    if ((signal = sdr_stop_asked()) != NULL) return stop(r, signal);
     SDR_TRY(r->built.integrator->step(r->built.system, r->built.step));
     SDR_TRY(observe(r));
   }
@@ -386,8 +403,10 @@ static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_opti
                            FILE *out)
 {
   run r = {.lock = -1, .started = started, .written = (double)-INFINITY};
+  if (options->stoppable) sdr_stop_watch();
   sdr_status status = set_up(&r, scene, options);
   if (status == SDR_OK) status = integrate(&r, options->resume != NULL);
+  if (options->stoppable) sdr_stop_unwatch();
   destroy_observer(&r.progress);
   if (status == SDR_OK) status = summarise(&r, out);
   destroy_observer(&r.snapshots);

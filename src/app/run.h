@@ -15,6 +15,8 @@ typedef struct {
   const char *const *sets; /* "path=value" */
   int threads;             /* 0: the scene's, or all */
   int quiet;               /* 1: no progress */
+  int stoppable; /* 1: SIGINT and SIGTERM end it after a step with a checkpoint and SDR_STOPPED;
+                    0: signals are left alone */
 } sdr_run_options;
 
 /* Run to the end; a few lines of results go to `out`, progress to stderr. */

@@ -7,7 +7,8 @@ typedef enum {
   SDR_OK = 0,
   SDR_BAD_INPUT = 1,  /* the scene, an option or a file's content is wrong */
   SDR_RUN_FAILED = 2, /* diverged, solver failed, out of memory */
-  SDR_IO_ERROR = 3    /* a file could not be read or written */
+  SDR_IO_ERROR = 3,   /* a file could not be read or written */
+  SDR_STOPPED = 4     /* ended early at someone's wish; a checkpoint is written */
 } sdr_status;
 
 #if defined(__GNUC__)
