@@ -235,18 +235,6 @@ static void choose_onset(sdr_built *built)
   built->onset = isnan(given) ? built->plane_cut : given;
 }
 
-/* Integrators of differential equations solve for each component by itself. */
-static sdr_status refuse_means(const sdr_built *built)
-{
-  const char *name = built->scene->time.integrator;
-  if (sdr_supports_means(built->supports) == 0) return SDR_OK;
-  if (strcmp(name, "cvode") != 0 && strcmp(name, "ida") != 0) return SDR_OK;
-  return sdr_fail(SDR_BAD_INPUT,
-                  "%s: %s cannot prescribe the mean of a support's points; take leapfrog, "
-                  "energy_momentum or static, or leave supports.mean out",
-                  sdr_origin_text(built->scene->time.origin), name);
-}
-
 static sdr_status build_parts(sdr_built *built)
 {
   SDR_TRY(make_points(built));
@@ -261,7 +249,6 @@ static sdr_status build_parts(sdr_built *built)
     return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
   if (built->scene->one_sided)
     warn(built, "family.dual is false: a point feels its own family only, so momentum is not kept");
-  SDR_TRY(refuse_means(built));
   SDR_TRY(choose_step(built));
   choose_onset(built);
   list_skipped(built);

@@ -15,8 +15,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "time/integrator.h"
-#include "time/motion.h"
-#include "time/reduced_solver.h"
+#include "time/mean_solver.h"
 #include "time/stable_step.h"
 #include "time/sun_parts.h"
 #include "time/sun_vectors.h"
@@ -32,6 +31,7 @@ typedef struct {
   sdr_system *system;
   sdr_motion *motion;
   sdr_reduced_solver *reduced; /* NULL: Adams */
+  sdr_mean_solver *solver;     /* likewise */
   sdr_tolerances tolerances;
   double longest; /* s */
   int held;       /* 1: supports or layers; reactions are wanted */
@@ -81,6 +81,7 @@ static void end_work(void *given)
   work *w = given;
   close_method(w);
   if (w->context) SUNContext_Free(&w->context);
+  sdr_mean_solver_destroy(&w->solver);
   sdr_reduced_solver_destroy(&w->reduced);
   sdr_motion_destroy(&w->motion);
   sdr_free(w);
@@ -190,7 +191,7 @@ static int solve(void *context, double *x, const double *b, const double *weight
   }
   for (int32_t k = 0; k < n; ++k) w->right[k] = mass[k] * (b[n + k] + b[k] / gamma) / gamma;
   const sdr_reduced_aim aim = {w->diagonal, w->scale, tolerance / sqrt(2.0 * n)};
-  const int result = sdr_reduced_solver_solve(w->reduced, &aim, w->right, x);
+  const int result = sdr_mean_solver_solve(w->solver, &aim, gamma, w->right, x);
   for (int32_t k = 0; k < n; ++k) x[n + k] = (x[k] - b[k]) / gamma;
   return result;
 }
@@ -335,6 +336,8 @@ static sdr_status create(sdr_system *system, double dt, work **out)
   if (status == SDR_OK) status = sdr_motion_create(system, &w->motion);
   if (status == SDR_OK && !system->how->adams)
     status = sdr_reduced_solver_create(system->model, system->how->solver, &w->reduced);
+  if (status == SDR_OK && !system->how->adams)
+    status = sdr_mean_solver_create(w->reduced, w->motion, &w->solver);
   if (status == SDR_OK && SUNContext_Create(NULL, &w->context))
     status = sdr_fail(SDR_RUN_FAILED, "SUNDIALS cannot start: out of memory");
   if (status == SDR_OK)

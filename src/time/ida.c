@@ -57,6 +57,7 @@ static void end_work(void *given)
   sdr_ida_work *w = given;
   close_method(w);
   if (w->context) SUNContext_Free(&w->context);
+  sdr_mean_solver_destroy(&w->solver);
   sdr_reduced_solver_destroy(&w->reduced);
   sdr_motion_destroy(&w->motion);
   sdr_free(w->viscous);
@@ -281,8 +282,10 @@ static sdr_status create(sdr_system *system, double dt, sdr_ida_work **out)
   if (status == SDR_OK) status = sdr_tolerances_choose(system, stable, &w->tolerances);
   if (status == SDR_OK) status = find_viscosity(w);
   if (status == SDR_OK) status = sdr_motion_create(system, &w->motion);
+  if (status == SDR_OK) sdr_motion_resist(w->motion, w->viscous);
   if (status == SDR_OK)
     status = sdr_reduced_solver_create(system->model, system->how->solver, &w->reduced);
+  if (status == SDR_OK) status = sdr_mean_solver_create(w->reduced, w->motion, &w->solver);
   if (status == SDR_OK && SUNContext_Create(NULL, &w->context))
     status = sdr_fail(SDR_RUN_FAILED, "SUNDIALS cannot start: out of memory");
   if (status == SDR_OK)

@@ -2,8 +2,7 @@
 #ifndef SDR_TIME_IDA_INTERNAL_H
 #define SDR_TIME_IDA_INTERNAL_H
 
-#include "time/motion.h"
-#include "time/reduced_solver.h"
+#include "time/mean_solver.h"
 #include "time/sun_parts.h"
 #include "time/tolerances.h"
 
@@ -16,6 +15,7 @@ typedef struct {
   sdr_system *system;
   sdr_motion *motion;
   sdr_reduced_solver *reduced;
+  sdr_mean_solver *solver;
   sdr_tolerances tolerances;
   double longest;  /* s */
   int has_mass;    /* 1: every point has one */

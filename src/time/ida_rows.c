@@ -190,7 +190,7 @@ int sdr_ida_solve(void *context, double *x, const double *b, const double *weigh
     w->right[k] = inertia - w->right[k];
   }
   const sdr_reduced_aim aim = {w->diagonal, w->scale, tolerance / sqrt(2.0 * size)};
-  const int result = sdr_reduced_solver_solve(w->reduced, &aim, w->right, x);
+  const int result = sdr_mean_solver_solve(w->solver, &aim, factor, w->right, x);
   for (int32_t k = 0; k < w->free; ++k) {
     x[k] *= share;
     if (mass[k] > 0.0)

@@ -32,8 +32,9 @@ static sdr_status constrain(sdr_implicit *implicit)
     SDR_TRY(sdr_layers_values(system->layers, implicit->time));
     SDR_TRY(sdr_layers_slaves(system->layers, &implicit->slaves));
   }
-  SDR_TRY(sdr_slaves_of_means(system->supports, system->motion, system->model->points,
-                              &implicit->slaves));
+  if (!implicit->free_means)
+    SDR_TRY(sdr_slaves_of_means(system->supports, system->motion, system->model->points,
+                                &implicit->slaves));
   return sdr_constraints_create(system->model->points, system->supports, system->motion,
                                 implicit->slaves.count > 0 ? &implicit->slaves : NULL,
                                 &implicit->constraints);

@@ -19,7 +19,8 @@ typedef struct {
   double *mass;    /* an unknown: kg; 0 for points of layers */
   double *reached; /* an entry of the supports' list: its displacement at the system's time, m */
   double *scratch; /* an unknown; NULL: no layers */
-  uint8_t *held;   /* an unknown: 1 where constraints act: prescribed, slaved, leading a slave */
+  int free_means; /* 1: components of prescribed means are free: the integrator pulls them itself */
+  uint8_t *held;  /* an unknown: 1 where constraints act: prescribed, slaved, leading a slave */
 } sdr_implicit;
 
 /* At the system's time. The supports and layers of the system at other times follow by

@@ -19,6 +19,10 @@ void sdr_motion_destroy(sdr_motion **motion)
   sdr_free(m->rate);
   sdr_free(m->bend);
   for (int k = 0; k < SDR_MOTION_SAMPLES; ++k) sdr_free(m->sample[k]);
+  sdr_free(m->mean_first);
+  sdr_free(m->mean_entry);
+  sdr_free(m->mean_place);
+  sdr_free(m->mean_pull);
   sdr_free(m->layer_rate);
   sdr_free(m->raw);
   for (int a = 0; a < 3; ++a) sdr_free(m->slack[a]);
@@ -56,6 +60,10 @@ sdr_status sdr_motion_create(sdr_system *system, sdr_motion **out)
   if (!m) return SDR_RUN_FAILED;
   sdr_status status = alloc_parts(m, system);
   if (status == SDR_OK) status = sdr_implicit_create(system, &m->implicit);
+  if (status == SDR_OK) {
+    m->implicit->free_means = 1;
+    status = sdr_motion_make_means(m);
+  }
   if (status == SDR_OK)
     *out = m;
   else
@@ -112,13 +120,16 @@ static void put_positions(const sdr_motion *m)
   sdr_system *system = m->implicit->system;
   const sdr_prescribed *list = sdr_supports_list(system->supports);
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
-    if (!isnan(m->position[k])) system->u[list[k].component][list[k].point] = m->position[k];
+    if (list[k].mean < 0 && !isnan(m->position[k]))
+      system->u[list[k].component][list[k].point] = m->position[k];
+  sdr_motion_shift_means(m, m->position, system->u);
   if (system->layers) sdr_layers_follow(system->layers, system->u);
 }
 
 sdr_status sdr_motion_place(sdr_motion *motion, double t, const double *q)
 {
   SDR_TRY(sdr_motion_stand(motion, t));
+  if (sdr_motion_means(motion) > 0) SDR_TRY(sdr_motion_find_rates(motion, t));
   sdr_motion_spread(motion, q, motion->implicit->system->u);
   put_positions(motion);
   return SDR_OK;
@@ -131,7 +142,9 @@ void sdr_motion_put_velocities(const sdr_motion *m)
   const sdr_prescribed *list = sdr_supports_list(system->supports);
   const int components = system->components;
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
-    if (!isnan(m->position[k])) system->v[list[k].component][list[k].point] = m->rate[k];
+    if (list[k].mean < 0 && !isnan(m->position[k]))
+      system->v[list[k].component][list[k].point] = m->rate[k];
+  sdr_motion_shift_means(m, m->rate, system->v);
   if (!system->layers) return;
   const int32_t *points = sdr_layers_points(system->layers);
   sdr_layers_extend(system->layers, SDR_LAYER_MOTION, system->v);
@@ -167,6 +180,7 @@ void sdr_motion_force(sdr_motion *motion, double *g)
       const int32_t place = motion->place[loaded[k] * components + a];
       if (place >= 0) g[place] += sdr_loads_force(system->loads, a)[k];
     }
+  sdr_motion_pull_means(motion, g);
 }
 
 /* ---- stretches ------------------------------------------------------------------------------- */
@@ -198,7 +212,7 @@ sdr_status sdr_motion_begin(sdr_motion *motion, double end, int *renumbered)
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
     motion->has_velocities |= list[k].is_velocity;
   sdr_implicit_accept(implicit);
-  return SDR_OK;
+  return sdr_motion_number_means(motion);
 }
 
 /* 1 if a prescribed component or layer is elsewhere, or faster, than it should be. */
@@ -207,10 +221,11 @@ static int is_jump(const sdr_motion *m)
   const sdr_system *system = m->implicit->system;
   const sdr_prescribed *list = sdr_supports_list(system->supports);
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k)
-    if (!isnan(m->position[k]) && (m->position[k] != system->u[list[k].component][list[k].point] ||
-                                   m->rate[k] != system->v[list[k].component][list[k].point]))
+    if (list[k].mean < 0 && !isnan(m->position[k]) &&
+        (m->position[k] != system->u[list[k].component][list[k].point] ||
+         m->rate[k] != system->v[list[k].component][list[k].point]))
       return 1;
-  return system->layers != NULL;
+  return system->layers != NULL || sdr_motion_means(m) > 0;
 }
 
 sdr_status sdr_motion_jump(sdr_motion *motion, int silent)
@@ -253,6 +268,10 @@ static void put_forces(sdr_motion *m, const double *g)
     double *const f = &system->f[list[k].component][list[k].point];
     system->reaction[k] = 0.0;
     if (isnan(m->position[k])) continue;
+    if (list[k].mean >= 0) {
+      system->reaction[k] = m->mean_pull[list[k].mean];
+      continue;
+    }
     const double total = system->mass[list[k].point] * m->bend[k];
     system->reaction[k] = total - *f;
     *f = total;

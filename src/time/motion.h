@@ -34,14 +34,25 @@ void sdr_motion_take(const sdr_motion *motion, double *q, double *w);
 /* Bring loads and a to time t, and the system's u to a + B q. */
 sdr_status sdr_motion_place(sdr_motion *motion, double t, const double *q);
 
+/* Means of supports. Their components are free, and a force, the same on all points of a mean,
+   keeps it where it should be: on those with mass by the acceleration that is wanted, on those
+   without by the velocity, with the resistance `viscous` (N s/m an unknown, borrowed; NULL: none),
+   to be given before sdr_motion_begin. What rounding and errors of steps leave of the mean is
+   shifted away. */
+void sdr_motion_resist(sdr_motion *motion, const double *viscous);
+
+/* The components of q that mean `mean` joins, *count of them (0: it does not act now). */
+int sdr_motion_means(const sdr_motion *motion);
+const int32_t *sdr_motion_mean(const sdr_motion *motion, int mean, int32_t *count);
+
 /* 1 if entry k of the supports' list acts in this stretch; where it wants its component to be at
    time t (m), how fast (m/s), and how fast that changes (m/s^2). */
 int sdr_motion_prescribes(const sdr_motion *motion, int32_t k);
 sdr_status sdr_motion_prescribed(sdr_motion *motion, double t, int32_t k, double *position,
                                  double *rate, double *bend);
 
-/* g = P^T f + loads, with the model's force f at the system's u; N. The system's f holds what the
-   points feel of the model then, layers' forces handed on. Changes no history. */
+/* g = P^T f + loads + what keeps means, with the model's force f at the system's u; N. The system's
+   f holds what the points feel of the model then, layers' forces handed on. Changes no history. */
 void sdr_motion_force(sdr_motion *motion, double *g);
 
 /* What comes from outside: power (W), force (N) and moment (N m) of loads, supports and layers. */

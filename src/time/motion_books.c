@@ -50,6 +50,10 @@ static void add_supports(const sdr_motion *m, double rates[SDR_MOTION_RATES])
     const int a = list[k].component, b = (a + 1) % 3, c = (a + 2) % 3;
     const int32_t i = list[k].point;
     if (isnan(m->position[k])) continue;
+    if (list[k].mean >= 0) {
+      add_force(system, i, a, m->mean_pull[list[k].mean], system->v[a][i], rates);
+      continue;
+    }
     double v[3] = {0.0};
     for (int n = 0; n < system->components; ++n) v[n] = system->v[n][i];
     add_force(system, i, a, -system->f[a][i], m->rate[k], rates);
@@ -94,7 +98,7 @@ void sdr_motion_sum_held(const sdr_motion *m, double sum[SDR_MOTION_RATES])
   const sdr_prescribed *list = sdr_supports_list(system->supports);
   memset(sum, 0, SDR_MOTION_RATES * sizeof *sum);
   for (int32_t k = 0; k < sdr_supports_count(system->supports); ++k) {
-    if (isnan(m->position[k])) continue;
+    if (isnan(m->position[k]) || list[k].mean >= 0) continue;
     const double p = system->mass[list[k].point] * m->rate[k];
     add_force(system, list[k].point, list[k].component, p, 0.5 * m->rate[k], sum);
   }

@@ -21,7 +21,12 @@ struct sdr_motion {
   uint64_t flags;     /* of bonds, as one number */
   int broke;          /* 1: the last commit changed them */
   double *raw;        /* the model's force on touched components before layers handed theirs on */
-  double *slack[3];   /* displacements of layers where the body rests; a component each */
+  /* Means of supports: of each the entries of the supports' list, from mean_first[mean] on; where
+     those stand in q; the force on each point, N. */
+  int32_t *mean_first, *mean_entry, *mean_place;
+  double *mean_pull;
+  const double *viscous;
+  double *slack[3]; /* displacements of layers where the body rests; a component each */
   double held[SDR_MOTION_RATES]; /* kinetic energy and momenta of prescribed components */
 };
 
@@ -31,6 +36,14 @@ sdr_status sdr_motion_find_rates(sdr_motion *motion, double t);
 
 /* motion_time.c: a number that changes if bonds were cut. */
 uint64_t sdr_motion_flags(const sdr_motion *motion);
+
+/* motion_means.c: make room; find who stands where, after the stretch's components are known; bring
+   means of u (or v) to their positions (or rates); the forces that keep them, added to g and to the
+   system's f. */
+sdr_status sdr_motion_make_means(sdr_motion *motion);
+sdr_status sdr_motion_number_means(sdr_motion *motion);
+void sdr_motion_shift_means(const sdr_motion *motion, const double *wanted, double *const from[3]);
+void sdr_motion_pull_means(sdr_motion *motion, double *g);
 
 /* motion_books.c: what prescribed components hold of kinetic energy and momenta; the body's energy
    and momenta as a whole; add to the system's books. */

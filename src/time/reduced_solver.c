@@ -391,6 +391,7 @@ static double dot(const double *x, const double *y, int32_t count)
 static double size_of(const double *r, const double *scale, int32_t count)
 {
   double sum = 0.0;
+  if (!scale) return count > 0 ? sqrt(dot(r, r, count) / count) : 0.0;
 #pragma omp simd reduction(+ : sum)
   for (int32_t k = 0; k < count; ++k) sum += (scale[k] * r[k]) * (scale[k] * r[k]);
   return count > 0 ? sqrt(sum / count) : 0.0;

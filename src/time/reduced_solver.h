@@ -34,7 +34,8 @@ typedef enum {
 sdr_reduced sdr_reduced_solver_prepare(sdr_reduced_solver *solver, const double *diagonal);
 
 /* x from r. An iteration ends where the root mean square of scale_k residual_k is at most
-   `tolerance`; its D is `diagonal`, that of the preparation if NULL. Direct solvers ignore these.
+   `tolerance`, scale NULL: all 1; its D is `diagonal`, that of the preparation if NULL. Direct
+   solvers ignore these.
  */
 typedef struct {
   const double *diagonal, *scale;
