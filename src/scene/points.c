@@ -102,6 +102,7 @@ void sdr_read_points(sdr_reading *rd)
   }
   read_jitter(rd, map);
   read_refine(rd, map);
+  sdr_read_adapt(rd, map);
   if (r->dimension == SDR_1D) {
     sdr_read_number(r, map, "area", SDR_ABOVE_ZERO(SDR_AREA), "1 m^2", &points->thickness);
   } else if (r->dimension != SDR_3D) {

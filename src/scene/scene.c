@@ -221,6 +221,7 @@ static void read_sections(sdr_reading *rd)
   sdr_read_loads(rd);
   sdr_read_supports(rd);
   sdr_read_time(rd);
+  sdr_check_adapt(rd);
   sdr_read_output(rd);
   sdr_read_figures(rd);
 }

@@ -75,6 +75,19 @@ typedef struct {
   int relative;
 } sdr_length;
 
+/* Points that split while a run goes on, key `points.adapt` (mechanics/refine.h). */
+typedef struct {
+  int levels;            /* halvings of the body's spacing that a point may reach */
+  int anywhere;          /* 1: points of any place may split, else those in `where` */
+  sdr_place where;       /* volume */
+  double damage;         /* a point splits whose damage has grown by more than this; INFINITY: none */
+  double energy;         /* or whose stored energy is above this, J/m^3; INFINITY: none */
+  sdr_length neighbours; /* and all within this distance of it; relative: horizons of level 0 */
+  sdr_length ahead;      /* beyond that, whenever some point must; likewise */
+  double every;          /* s between two looks; NAN: automatic */
+  sdr_origin origin;
+} sdr_adapt_scene;
+
 typedef struct {
   sdr_shape *shape;
   double spacing; /* m, of the coarsest lattice */
@@ -89,6 +102,7 @@ typedef struct {
   double thickness;  /* m: 2-D; in 1-D the area in m^2; default 1 */
   int refine_count;
   sdr_refine *refine;
+  sdr_adapt_scene *adapt; /* NULL: points stay as they are */
   char import_file[512]; /* "": none; a CSV or mesh file instead of shape and spacing */
   sdr_origin origin;
 } sdr_points_scene;
