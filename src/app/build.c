@@ -91,6 +91,8 @@ static sdr_status make_system(sdr_built *built)
   SDR_TRY(sdr_layers_create(scene, built->points, &built->layers));
   SDR_TRY(sdr_system_create(built->model, density, built->loads, built->supports, &built->system));
   built->system->how = &scene->time;
+  SDR_TRY(sdr_contact_create(scene, built->model, &built->contact));
+  built->system->contact = built->contact;
   return sdr_system_attach(built->system, built->layers);
 }
 
@@ -224,6 +226,7 @@ static void list_skipped(sdr_built *built)
        "masses and velocities: static solution");
   skip(built, scene->crack_count == 0 && scene->damage.protect_count == 0,
        "tests for cut bonds: no pre-crack, no protected zone");
+  skip(built, !scene->contact.on, "contact: not asked for");
   skip(built, scene->output.snapshots == 0, "fields: no snapshots asked");
 }
 
@@ -282,6 +285,7 @@ sdr_status sdr_build(const char *path, const char *variant, int set_count, const
 void sdr_built_destroy(sdr_built *built)
 {
   sdr_system_destroy(&built->system);
+  sdr_contact_destroy(&built->contact);
   sdr_layers_destroy(&built->layers);
   sdr_supports_destroy(&built->supports);
   sdr_loads_destroy(&built->loads);

@@ -17,7 +17,8 @@ typedef struct {
   sdr_model *model;
   sdr_loads *loads;
   sdr_supports *supports;
-  sdr_layers *layers; /* NULL: none */
+  sdr_layers *layers;   /* NULL: none */
+  sdr_contact *contact; /* NULL: none */
   sdr_system *system;
   const sdr_integrator *integrator;
   sdr_model_traits traits;

@@ -335,7 +335,7 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
     sdr_bonds_destroy(&bonds);
     return SDR_RUN_FAILED;
   }
-  model->head = (sdr_model){&ops, points, bonds->directed};
+  model->head = (sdr_model){.ops = &ops, .points = points, .bonds = bonds->directed};
   model->bonds = bonds;
   model->kernels = sdr_bond_kernels_best();
   model->precise = sdr_precise_kernels_best();

@@ -94,6 +94,7 @@ typedef struct {
   sdr_bond_model *model;
   double *const *u, *const *v;
   double dt, sum;
+  int stripe;
 } book_call;
 
 /* Stretch before the step: at u - dt v. */
@@ -126,6 +127,7 @@ static void book_pair(book_call *call, const sdr_pair *pair, sdr_flags *flags)
   if (fresh & SDR_FRESH_I) call->sum += half * pair->weight_ij * sdr_body_stiffness(body, pair->i);
   if (fresh & SDR_FRESH_J && !pair->loose)
     call->sum += half * pair->weight_ji * sdr_body_stiffness(body, pair->j);
+  if (call->model->head.lost) sdr_lost_note(call->model->head.lost, call->stripe, pair, *flags);
 }
 
 static void book_of_run(void *context, const sdr_pair *pair)
@@ -155,7 +157,7 @@ void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *con
 {
   sdr_bond_body *body = &model->body;
   const sdr_bonds *bonds = model->bonds;
-  book_call call = {model, u, v, dt, 0.0};
+  book_call call = {model, u, v, dt, 0.0, s};
   for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
     if (!body->run_fresh[r]) continue;
     sdr_bonds_visit_run(bonds, &bonds->runs[r], book_of_run, &call);

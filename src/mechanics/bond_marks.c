@@ -64,3 +64,19 @@ sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *conte
   *cut_bonds = call.cut;
   return SDR_OK;
 }
+
+void sdr_bond_visit_lost(const sdr_model *model, int s, sdr_lost_visitor visit, void *context)
+{
+  const sdr_bond_body *body = &((const sdr_bond_model *)model)->body;
+  const int critical = body->law == SDR_LAW_CRITICAL_STRETCH;
+  const int loose = critical || body->loose_marked;
+  sdr_lost_where where = {.points = model->points, .bonds = body->bonds};
+  if (critical || body->run_marked) {
+    where.flags = body->flags;
+    where.stretch = body->stretch;
+    where.run_flagged = critical ? NULL : body->run_marked;
+  }
+  where.loose_flags = loose ? body->loose_flags : NULL;
+  where.loose_stretch = loose ? body->loose_stretch : NULL;
+  sdr_lost_visit(&where, s, visit, context);
+}

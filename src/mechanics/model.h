@@ -4,6 +4,7 @@
 #define SDR_MECHANICS_MODEL_H
 
 #include "base/status.h"
+#include "mechanics/lost.h"
 #include "nom/bonds.h"
 #include "nom/points.h"
 
@@ -140,6 +141,10 @@ typedef struct {
      the same bits either way. A model that never skips ignores it. */
   void (*skip_rest)(sdr_model *model, int skip);
 
+  /* Visit the pairs of stripe s that hold nothing any more, not even under compression: cut, or
+     lost in each half; each once. NULL: the model loses none. */
+  void (*visit_lost)(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
+
   void (*traits)(const sdr_model *model, sdr_model_traits *out);
 
   /* The blocks that a checkpoint must hold; *count <= SDR_STATE_BLOCKS. */
@@ -152,7 +157,9 @@ typedef struct {
 struct sdr_model {
   const sdr_model_ops *ops;
   const sdr_points *points;
-  int64_t bonds; /* directed, cut ones included */
+  int64_t bonds;  /* directed, cut ones included */
+  sdr_lost *lost; /* borrowed; force_commit and commit note pairs there that come to hold nothing;
+                     NULL: nobody asks */
 };
 
 #endif

@@ -181,7 +181,7 @@ sdr_status sdr_state_body_init(sdr_state_body *body, const sdr_model_ops *ops,
                                const sdr_state_hooks *hooks, const sdr_points *points,
                                sdr_bonds *bonds, const sdr_state_based_how *how)
 {
-  body->head = (sdr_model){ops, points, bonds->directed};
+  body->head = (sdr_model){.ops = ops, .points = points, .bonds = bonds->directed};
   body->hooks = hooks;
   body->bonds = bonds;
   body->dimension = how->dimension;

@@ -150,6 +150,7 @@ void sdr_state_visit_damage(sdr_model *model, double *const u[3],
    (variational); a pair marked so never breaks (critical_stretch). */
 sdr_status sdr_state_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
                           int64_t *cut_bonds);
+void sdr_state_visit_lost(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
 void sdr_state_skip_rest(sdr_model *model, int skip);
 void sdr_state_traits(const sdr_model *model, sdr_model_traits *out);
 void sdr_state_blocks(sdr_model *model, sdr_state_block *blocks, int *count);

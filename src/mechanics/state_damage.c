@@ -98,27 +98,36 @@ static void mark_fresh(void *context, const sdr_pair *pair)
   if (flags & SDR_FRESH_J && !pair->loose) body->fresh[pair->j] = 1;
 }
 
+typedef struct {
+  sdr_state_body *body;
+  int stripe;
+} clear_call;
+
 static void clear_fresh(void *context, const sdr_pair *pair)
 {
-  sdr_state_body *body = context;
+  const clear_call *call = context;
+  sdr_state_body *body = call->body;
   sdr_flags *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
+  if (*flags & FRESH && body->head.lost)
+    sdr_lost_note(body->head.lost, call->stripe, pair, *flags);
   *flags &= ~FRESH;
 }
 
 /* Visit the pairs of the stripe's fresh runs and chunks. */
-static void each_fresh_pair(sdr_state_body *body, int s, sdr_pair_visitor visit)
+static void each_fresh_pair(const sdr_state_body *body, int s, sdr_pair_visitor visit,
+                            void *context)
 {
   const sdr_bonds *bonds = body->bonds;
   const int32_t *stripe = body->head.points->stripe_first;
   for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
-    if (body->run_fresh[r]) sdr_bonds_visit_run(bonds, &bonds->runs[r], visit, body);
+    if (body->run_fresh[r]) sdr_bonds_visit_run(bonds, &bonds->runs[r], visit, context);
   for (int32_t i = stripe[s]; body->chunk_fresh && i < stripe[s + 1]; ++i)
-    if (body->chunk_fresh[i / SDR_LANES]) sdr_bonds_visit_loose_point(bonds, i, visit, body);
+    if (body->chunk_fresh[i / SDR_LANES]) sdr_bonds_visit_loose_point(bonds, i, visit, context);
 }
 
 static void mark_stripe(void *context, int s)
 {
-  each_fresh_pair(context, s, mark_fresh);
+  each_fresh_pair(context, s, mark_fresh, context);
 }
 
 static void clear_stripe(void *context, int s)
@@ -126,7 +135,8 @@ static void clear_stripe(void *context, int s)
   sdr_state_body *body = context;
   const int32_t *stripe = body->head.points->stripe_first;
   const int64_t first = body->bonds->stripe_run[s], end = body->bonds->stripe_run[s + 1];
-  each_fresh_pair(body, s, clear_fresh);
+  clear_call call = {body, s};
+  each_fresh_pair(body, s, clear_fresh, &call);
   memset(body->fresh + stripe[s], 0, (size_t)(stripe[s + 1] - stripe[s]));
   if (body->run_fresh) memset(body->run_fresh + first, 0, (size_t)(end - first));
 }
@@ -143,7 +153,7 @@ static void give_back(void *context, const sdr_pair *pair)
 
 static void give_back_stripe(void *context, int s)
 {
-  each_fresh_pair(context, s, give_back);
+  each_fresh_pair(context, s, give_back, context);
 }
 
 /* Book what points released; returns 1 if one keeps its bonds. Those are left fresh. */
@@ -364,4 +374,16 @@ void sdr_state_visit_damage(sdr_model *model, double *const u[3],
   damage_call call = {body, visit, context};
   if (body->history) body->hooks->split(body, u);
   sdr_bonds_visit(body->bonds, model->points, visit_pair_damage, &call);
+}
+
+void sdr_state_visit_lost(const sdr_model *model, int s, sdr_lost_visitor visit, void *context)
+{
+  const sdr_state_body *body = (const sdr_state_body *)model;
+  const int loose = body->law == SDR_LAW_CRITICAL_STRETCH || body->loose_flagged;
+  const sdr_lost_where where = {.points = model->points,
+                                .bonds = body->bonds,
+                                .flags = body->flags,
+                                .loose_flags = loose ? body->loose_flags : NULL,
+                                .run_flagged = body->run_flagged};
+  sdr_lost_visit(&where, s, visit, context);
 }

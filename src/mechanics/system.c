@@ -284,6 +284,7 @@ sdr_status sdr_system_force(sdr_system *system, double dt, double dt_next, doubl
   if (system->layers) SDR_TRY(follow_layers(system, dt));
   system->model->ops->force_commit(system->model, system->u, system->v, dt, system->f);
   if (system->layers) pull_layers(system, dt);
+  if (system->contact) SDR_TRY(sdr_contact_force(system->contact, system->u, system->f));
   SDR_TRY(add_loads(system, dt));
   return hold_supports(system, dt, dt_next, kick);
 }
@@ -377,6 +378,7 @@ void sdr_system_balance(sdr_system *system, sdr_balance *out)
     }
   }
   system->model->ops->energies(system->model, system->u, &out->model);
+  if (system->contact) out->contact = sdr_contact_energy(system->contact);
 }
 
 /* ---- fields ---------------------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #ifndef SDR_MECHANICS_SYSTEM_H
 #define SDR_MECHANICS_SYSTEM_H
 
+#include "mechanics/contact.h"
 #include "mechanics/layers.h"
 #include "mechanics/loads.h"
 #include "mechanics/model.h"
@@ -61,7 +62,8 @@ typedef struct {
   sdr_model *model;
   sdr_loads *loads;
   sdr_supports *supports;
-  sdr_layers *layers; /* NULL: none */
+  sdr_layers *layers;   /* NULL: none */
+  sdr_contact *contact; /* borrowed; NULL: none */
 
   /* Sums since t = 0, of loads and supports. */
   double external_work;      /* J */
@@ -81,6 +83,7 @@ typedef struct {
 /* Energies and momenta of the present state, velocities brought to its time. */
 typedef struct {
   double kinetic;
+  double contact; /* energy of pieces that touch */
   sdr_energies model;
   double momentum[3], angular[3];       /* sum m v; sum m x cross v */
   double momentum_scale, angular_scale; /* sum m |v|; sum m |x| |v| */

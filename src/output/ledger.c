@@ -71,7 +71,8 @@ static void open_account(account *a, const sdr_balance *balance, double energy)
 static void book(account *a, const sdr_balance *balance, const sdr_moment *moment)
 {
   const sdr_system *system = moment->system;
-  const double energy = balance->kinetic + balance->model.stored + balance->model.dissipated;
+  const double energy =
+      balance->kinetic + balance->model.stored + balance->contact + balance->model.dissipated;
   if (moment->step == 0) open_account(a, balance, energy);
   a->largest_energy = fmax(a->largest_energy, energy);
   a->largest_momentum = fmax(a->largest_momentum, balance->momentum_scale);
@@ -80,6 +81,7 @@ static void book(account *a, const sdr_balance *balance, const sdr_moment *momen
   b->kinetic = balance->kinetic;
   b->stored = balance->model.stored;
   b->dissipated = balance->model.dissipated;
+  b->contact = balance->contact;
   b->external_work = system->external_work;
   b->viscous = system->viscous;
   b->imbalance = energy + b->viscous - a->energy0 - system->external_work;
@@ -106,7 +108,7 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
   if (l->row_step == moment->step) return SDR_OK; /* a run that ends before its next step */
   const sdr_books *b = &l->now.books;
   const double fixed[FIXED_COLUMNS] = {
-      moment->time, b->kinetic,       b->stored,    b->dissipated, b->viscous,       0.0,
+      moment->time, b->kinetic,       b->stored,    b->dissipated, b->viscous,       b->contact,
       0.0,          b->external_work, b->imbalance, b->max_damage, (double)b->broken};
   memcpy(l->values, fixed, sizeof fixed);
   SDR_TRY(sdr_columns_values(l->columns, moment->system, l->values + FIXED_COLUMNS));

@@ -190,7 +190,8 @@ static void read_sections(sdr_reading *rd)
   static const char *const keys[] = {"title",    "dimension", "points",   "horizon",   "family",
                                      "material", "materials", "damage",   "regions",   "cracks",
                                      "initial",  "loads",     "supports", "time",      "output",
-                                     "figures",  "variants",  "threads",  "precision", "equation"};
+                                     "figures",  "variants",  "threads",  "precision", "equation",
+                                     "contact"};
   int dimension;
   for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
     sdr_read_allow(rd->reader, rd->root, keys[k]);
@@ -221,6 +222,7 @@ static void read_sections(sdr_reading *rd)
   sdr_read_loads(rd);
   sdr_read_supports(rd);
   sdr_read_time(rd);
+  sdr_read_contact(rd);
   sdr_check_adapt(rd);
   sdr_read_output(rd);
   sdr_read_figures(rd);

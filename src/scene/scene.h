@@ -168,6 +168,13 @@ typedef struct {
   sdr_place *protect; /* pairs with an end in one of these never break */
 } sdr_damage_scene;
 
+/* Repulsion between pieces that are not bonded, key `contact` (mechanics/contact.h). */
+typedef struct {
+  int on;
+  double range;   /* spacings, at most 1 */
+  double penalty; /* stiffness over that of the body between neighbouring layers */
+} sdr_contact_scene;
+
 typedef enum { SDR_CRACK_POLYLINE, SDR_CRACK_DISC, SDR_CRACK_RECTANGLE } sdr_crack_kind;
 
 /* A cut present from the start: every bond that crosses or touches it is cut. */
@@ -381,6 +388,7 @@ typedef struct sdr_scene {
   int material_count;                   /* >= 1 */
   sdr_material *material;
   sdr_damage_scene damage;
+  sdr_contact_scene contact;
   int region_count;
   sdr_region *region;
   int crack_count;

@@ -71,6 +71,7 @@ void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_allow_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_check_masses(sdr_reading *reading); /* refuse points without mass where they cannot move */
 void sdr_read_energy_momentum(sdr_reading *reading, sdr_node *map); /* midpoint.c: likewise */
+void sdr_read_contact(sdr_reading *reading); /* contact.c; after time */
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */
 void sdr_read_measures(sdr_reading *reading, sdr_node *output);

@@ -83,9 +83,16 @@ static sdr_status step(sdr_system *system, double dt)
   return sdr_system_force(system, dt, dt, dt);
 }
 
+static sdr_status restart(sdr_system *system, double dt)
+{
+  (void)dt;
+  return system->contact ? sdr_contact_restart(system->contact, system->u) : SDR_OK;
+}
+
 const sdr_integrator sdr_leapfrog = {
     .name = "leapfrog",
     .doc = "explicit, second order, conserves momenta exactly; for waves and fracture",
     .start = start,
     .step = step,
+    .restart = restart,
     .is_explicit = 1};

@@ -39,6 +39,7 @@ static void stiffness_times(const lanczos *l, double *const v[3], double *const 
   const sdr_layers *layers = system->layers;
   if (layers) sdr_layers_extend(layers, SDR_LAYER_MOTION, v);
   system->model->ops->reference_times(system->model, v, out);
+  if (system->contact) sdr_contact_bound_times(system->contact, v, out);
   if (!layers) return;
   sdr_layers_gather(layers, SDR_LAYER_FORCE, out);
   if (sdr_layers_symmetric(layers)) return;
@@ -165,6 +166,8 @@ sdr_status sdr_stable_step(sdr_system *system, double *limit)
       l.root[i] = sdr_in_body(system->model->points, i) ? 1.0 / sqrt(system->mass[i]) : 0.0;
     double largest;
     status = largest_eigenvalue(&l, &largest);
+    if (status == SDR_OK && system->contact)
+      largest = fmax(largest, sdr_contact_loose_rate(system->contact, system->mass));
     if (status == SDR_OK) *limit = 2.0 / sqrt(largest);
   }
   sdr_free(l.root);
