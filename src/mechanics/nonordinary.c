@@ -244,6 +244,8 @@ static const sdr_state_hooks hooks = {.isa = isa,
                                       .split = split,
                                       .remake = remake,
                                       .book = sdr_nonordinary_book,
+                                      .look = sdr_nonordinary_look,
+                                      .overstretch = sdr_nonordinary_overstretch,
                                       .remake_fresh = sdr_nonordinary_remake_fresh};
 
 static void traits(const sdr_model *model, sdr_model_traits *out)
@@ -267,6 +269,7 @@ static const sdr_model_ops ops = {.name = "nonordinary",
                                   .visit_damage = sdr_state_visit_damage,
                                   .visit_hessian = sdr_nonordinary_visit_hessian,
                                   .visit_secant = sdr_nonordinary_visit_secant,
+                                  .break_most = sdr_state_break_most,
                                   .mark = sdr_state_mark,
                                   .visit_lost = sdr_state_visit_lost,
                                   .skip_rest = sdr_state_skip_rest,

@@ -155,9 +155,9 @@ static void gradient_of(const sdr_nonordinary_model *model, int32_t i, double *c
   sdr_nonordinary_gradient(model, i);
 }
 
-/* 1 if the half from i to j, with G of i there, is lost. */
-static int is_overstretched(const sdr_nonordinary_model *model, int32_t i, int32_t j,
-                            const double xi[3], double *const u[3])
+/* What is compared to s0^2 of the half from i to j, with G of i there. */
+static double overstretch(const sdr_nonordinary_model *model, int32_t i, int32_t j,
+                          const double xi[3], double *const u[3])
 {
   const int n = model->state.head.points->components;
   const int finite = model->elasticity != SDR_LINEAR;
@@ -173,11 +173,17 @@ static int is_overstretched(const sdr_nonordinary_model *model, int32_t i, int32
     f_square += f * f;
     z_square += z * z;
   }
-  if (!(change > 0.0)) return 0;
+  if (!(change > 0.0)) return 0.0;
   change /= square;
   const double s = change / (1.0 + sqrt(1.0 + change));
   const double across = z_square - (f_square > 0.0 ? along * along / f_square : 0.0);
-  return s * s + across / square > model->state.threshold[i];
+  return s * s + across / square;
+}
+
+static int is_overstretched(const sdr_nonordinary_model *model, int32_t i, int32_t j,
+                            const double xi[3], double *const u[3])
+{
+  return overstretch(model, i, j, xi, u) > model->state.threshold[i];
 }
 
 typedef struct {
@@ -276,4 +282,22 @@ void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3])
   sdr_parallel_for(0, stripes, 1, break_stripe, &call);
   if (state->bonds->loose.chunk_count > 0) sdr_parallel_for(0, stripes, 1, break_chunks, &call);
   tear(model, u);
+}
+
+void sdr_nonordinary_look(sdr_state_body *state, double *const u[3])
+{
+  torn_call call = {(sdr_nonordinary_model *)state, u};
+  sdr_nonordinary_refresh(call.model);
+  for (int s = 0; s < state->head.points->stripe_count; ++s) gradients_of_stripe(&call, s);
+}
+
+double sdr_nonordinary_overstretch(const sdr_state_body *state, const sdr_pair *pair, int from_i,
+                                   double *const u[3])
+{
+  const sdr_nonordinary_model *model = (const sdr_nonordinary_model *)state;
+  const int32_t i = from_i ? pair->i : pair->j, j = from_i ? pair->j : pair->i;
+  double xi[3] = {0.0};
+  if (!model->torn[i]) return sdr_state_square_stretch(state, pair, from_i, u);
+  for (int a = 0; a < state->bonds->components; ++a) xi[a] = from_i ? pair->xi[a] : -pair->xi[a];
+  return overstretch(model, i, j, xi, u);
 }

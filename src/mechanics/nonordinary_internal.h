@@ -80,6 +80,10 @@ sdr_status sdr_nonordinary_set_threshold(sdr_nonordinary_model *model, const dou
 
 /* Break what u stretches too far (critical_stretch). */
 void sdr_nonordinary_break(sdr_nonordinary_model *model, double *const u[3]);
+/* hooks->look and hooks->overstretch: of families that lost bonds z across the bond counts too. */
+void sdr_nonordinary_look(sdr_state_body *state, double *const u[3]);
+double sdr_nonordinary_overstretch(const sdr_state_body *state, const sdr_pair *pair, int from_i,
+                                   double *const u[3]);
 /* See sdr_state_hooks. */
 void sdr_nonordinary_book(sdr_state_body *state, double *const u[3], double *const v[3], double dt);
 

@@ -236,6 +236,7 @@ static const sdr_state_hooks hooks = {.isa = isa,
                                       .split = split,
                                       .remake = remake,
                                       .book = sdr_ordinary_book,
+                                      .overstretch = sdr_state_square_stretch,
                                       .remake_fresh = sdr_ordinary_remake_fresh};
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -265,6 +266,7 @@ static const sdr_model_ops ops = {.name = "ordinary",
                                   .visit_damage = sdr_state_visit_damage,
                                   .visit_hessian = sdr_ordinary_visit_hessian,
                                   .visit_secant = sdr_ordinary_visit_secant,
+                                  .break_most = sdr_state_break_most,
                                   .mark = sdr_state_mark,
                                   .visit_lost = sdr_state_visit_lost,
                                   .skip_rest = sdr_state_skip_rest,

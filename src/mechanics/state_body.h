@@ -33,6 +33,13 @@ typedef struct {
      square of the step. sdr_state_visit_fresh hands out the pairs that matter. */
   void (*book)(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
 
+  /* Critical stretch: get ready to be asked overstretch at u (may be NULL); what is compared to
+     s0^2 for the half that point i (else j) of a pair owns, 0 or more: the square of a positive
+     stretch, and whatever else breaks bonds of the model. */
+  void (*look)(sdr_state_body *body, double *const u[3]);
+  double (*overstretch)(const sdr_state_body *body, const sdr_pair *pair, int from_i,
+                        double *const u[3]);
+
   /* Points with body->fresh got the bonds of this step back: set up anew what depends on them. */
   void (*remake_fresh)(sdr_state_body *body);
 } sdr_state_hooks;
@@ -129,6 +136,10 @@ int sdr_state_rests(const sdr_state_body *body, int s, int below, int above);
    happened at u. Nothing is done where no run_fresh or chunk_fresh is set. */
 void sdr_state_book(sdr_state_body *body, double *const u[3], double *const v[3], double dt);
 
+/* hooks->overstretch of bodies that break by stretch alone. */
+double sdr_state_square_stretch(const sdr_state_body *body, const sdr_pair *pair, int from_i,
+                                double *const u[3]);
+
 /* Visit the slots of stripe s that have an end with body->fresh; of loose ones those of fresh
    points. */
 void sdr_state_visit_fresh(const sdr_state_body *body, int s, sdr_pair_visitor visit,
@@ -137,6 +148,7 @@ void sdr_state_visit_fresh(const sdr_state_body *body, int s, sdr_pair_visitor v
 /* ---- operations of a model ------------------------------------------------------------------- */
 
 void sdr_state_commit(sdr_model *model, double *const u[3]);
+int64_t sdr_state_break_most(sdr_model *model, double *const u[3], double share);
 void sdr_state_energies(sdr_model *model, double *const u[3], sdr_energies *out);
 /* damage: d_i (variational), else the share of H_i by volume that is cut or lost; energy_density;
    dissipated. Other fields are the model's own. */

@@ -142,6 +142,21 @@ static void critical_stretch_breaks_the_most_overstretched_first(void **state)
   sdr_built_destroy(&run);
 }
 
+static void state_based_strips_break_by_stretch_too(void **state)
+{
+  (void)state;
+  static const char *const models[] = {"model: ordinary,", "model: nonordinary,"};
+  for (int k = 0; k < 2; ++k) {
+    sdr_built run;
+    const path p = follow_strip(&run, "critical_stretch", models[k], "poisson: 0.2,", "");
+    assert_true(p.last < 0.05 * p.peak);
+    assert_true(p.viscous > 0.0);
+    assert_true(fabs(p.energy + p.viscous - p.work) < 1e-3 * p.work);
+    assert_int_equal(run.model->ops->break_most(run.model, run.system->u, 0.98), 0);
+    sdr_built_destroy(&run);
+  }
+}
+
 /* ---- means ----------------------------------------------------------------------------------- */
 
 static void check_mean(const char *time, double tolerance)
@@ -269,6 +284,7 @@ int main(void)
       cmocka_unit_test(relaxation_finds_the_same_path),
       cmocka_unit_test(state_based_strips_soften_too),
       cmocka_unit_test(critical_stretch_breaks_the_most_overstretched_first),
+      cmocka_unit_test(state_based_strips_break_by_stretch_too),
       cmocka_unit_test(a_mean_is_kept_and_pulls_each_of_its_points_alike),
       cmocka_unit_test(moving_mirrors_do_the_work_that_the_body_stores),
       cmocka_unit_test(motion_takes_the_body_where_statics_cannot),
