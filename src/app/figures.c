@@ -43,12 +43,32 @@ static sdr_status add_measure(const sdr_measurement *measure, sdr_measured *out)
   return SDR_OK;
 }
 
+/* Of the cracks that are followed; `before`: what is measured beside them. */
+static sdr_status add_cracks(const sdr_cracks_output *cracks, const sdr_crack_report *reports,
+                             const sdr_measured *before, int count, sdr_measured *out)
+{
+  for (int t = 0; t < cracks->tip_count; ++t)
+    for (int n = 0; n < SDR_CRACK_FIGURES; ++n) {
+      const char *name = cracks->tip[t].figure[n];
+      for (int k = 0; k < count; ++k)
+        if (strcmp(before[k].name, name) == 0)
+          return sdr_fail(SDR_BAD_INPUT,
+                          "%s: tip %s has a figure '%s', and so has a measure; give one of them "
+                          "another name",
+                          sdr_origin_text(cracks->tip[t].origin), cracks->tip[t].name, name);
+      const double value = reports ? reports[t].figure[n] : (double)NAN;
+      out[t * SDR_CRACK_FIGURES + n] = (sdr_measured){name, value, 1};
+    }
+  return SDR_OK;
+}
+
 sdr_status sdr_figures_measured(const sdr_scene *scene, const sdr_summary *summary,
                                 const sdr_ring_counts *ring, const sdr_observer *measures,
                                 sdr_measured **out, int *count)
 {
   const sdr_output_scene *output = &scene->output;
-  const int all = EVERY_RUN + output->measure_count;
+  const int others = EVERY_RUN + output->measure_count;
+  const int all = others + output->cracks.tip_count * SDR_CRACK_FIGURES;
   sdr_measured *measured = sdr_alloc((size_t)all, sizeof *measured);
   sdr_status status = measured ? SDR_OK : SDR_RUN_FAILED;
   for (int k = 0; measured && k < EVERY_RUN; ++k)
@@ -57,6 +77,9 @@ sdr_status sdr_figures_measured(const sdr_scene *scene, const sdr_summary *summa
     status = add_measure(&output->measure[k], &measured[EVERY_RUN + k]);
     if (measures) measured[EVERY_RUN + k].value = sdr_measures_value(measures, k);
   }
+  if (status == SDR_OK)
+    status = add_cracks(&output->cracks, summary ? summary->cracks : NULL, measured, others,
+                        measured + others);
   if (status != SDR_OK) {
     sdr_free(measured);
     return status;

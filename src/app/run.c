@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/checkpoint.h"
+#include "output/crack_tips.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
 #include "output/measures.h"
@@ -28,13 +29,13 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 6 };
+enum { OBSERVERS = 7 };
 
 typedef struct {
   sdr_built built;
   char directory[SDR_DIRECTORY];
   int lock;
-  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *progress;
+  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *cracks, *progress;
   sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
   int observer_count;
   sdr_moment moment;
@@ -71,6 +72,9 @@ static sdr_status make_observers(run *r, const sdr_run_options *options)
   if (scene->output.measure_count > 0)
     SDR_TRY(sdr_measures_create(scene, r->built.points, r->ledger, r->built.steps, &r->measures));
   add_observer(r, r->measures);
+  if (scene->output.cracks.tip_count > 0)
+    SDR_TRY(sdr_crack_tips_create(scene, r->built.points, r->built.plane_cut, &r->cracks));
+  add_observer(r, r->cracks);
   SDR_TRY(sdr_snapshots_create(scene, r->directory, r->built.points, &r->snapshots));
   add_observer(r, r->snapshots);
   if (!options->quiet) SDR_TRY(sdr_progress_create(r->ledger, &r->progress));
@@ -343,6 +347,7 @@ static sdr_status summarise(run *r, FILE *out)
                          .stable_step = built->stable_step,
                          .books = sdr_ledger_books(r->ledger),
                          .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
+                         .cracks = r->cracks ? sdr_crack_tips_reports(r->cracks) : NULL,
                          .skipped = built->skipped,
                          .skipped_count = built->skipped_count,
                          .solve = &built->system->solve,
@@ -410,6 +415,7 @@ static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_opti
   destroy_observer(&r.progress);
   if (status == SDR_OK) status = summarise(&r, out);
   destroy_observer(&r.snapshots);
+  destroy_observer(&r.cracks);
   destroy_observer(&r.measures);
   destroy_observer(&r.onset);
   destroy_observer(&r.runaway);

@@ -128,6 +128,37 @@ static void put_fragments(sdr_record *r, const sdr_summary *s)
   sdr_record_part(r, "fragments", fragments);
 }
 
+static json_t *fork_record(const sdr_crack_fork *fork, int components)
+{
+  static const char *const axes[] = {"x", "y", "z"};
+  sdr_record one = sdr_record_begin();
+  sdr_record_real(&one, "time", fork->time);
+  for (int c = 0; c < components; ++c) sdr_record_real(&one, axes[c], fork->x[c]);
+  sdr_record_real(&one, "distance", fork->distance);
+  sdr_record_real(&one, "speed", fork->speed);
+  return one.object;
+}
+
+/* What was told of each crack that was followed. */
+static void put_cracks(sdr_record *r, const sdr_summary *s)
+{
+  const sdr_cracks_output *wanted = &s->scene->output.cracks;
+  sdr_record cracks = sdr_record_begin();
+  for (int k = 0; s->cracks && k < wanted->tip_count; ++k) {
+    sdr_record one = sdr_record_begin();
+    json_t *forks = json_array();
+    for (int n = 0; n < SDR_CRACK_FIGURES; ++n)
+      sdr_record_real(&one, sdr_crack_figure_words[n], s->cracks[k].figure[n]);
+    for (int n = 0; n < s->cracks[k].fork_count; ++n)
+      if (json_array_append_new(
+              forks, fork_record(&s->cracks[k].fork[n], sdr_components(s->scene->dimension))) != 0)
+        r->failed = 1;
+    sdr_record_put(&one, "forks", forks);
+    sdr_record_part(&cracks, wanted->tip[k].name, one);
+  }
+  sdr_record_part(r, "cracks", cracks);
+}
+
 static void put_solve(sdr_record *r, const sdr_solve_record *solve)
 {
   sdr_record_text(r, "name", solve->name);
@@ -238,6 +269,7 @@ sdr_status sdr_summary_write(const char *directory, const sdr_summary *summary)
   put_cost(&r, summary);
   put_balance(&r, summary);
   put_fragments(&r, summary);
+  if (summary->cracks) put_cracks(&r, summary);
   put_solver(&r, summary);
   sdr_summary_figures(&r, summary->scene, summary->measured, summary->measured_count);
   return sdr_record_write(&r, directory);

@@ -3,6 +3,7 @@
 #define SDR_OUTPUT_SUMMARY_H
 
 #include "mechanics/system.h"
+#include "output/crack_report.h"
 #include "output/fragments.h"
 #include "output/ledger.h"
 #include "output/record.h"
@@ -44,7 +45,8 @@ typedef struct {
   double damage_max, damage_mean; /* of the points' damage field */
   int fragments_known;
   sdr_fragments fragments;
-  const char *const *skipped; /* one line each: what was skipped and why */
+  const sdr_crack_report *cracks; /* of the scene's tips; NULL: none were followed */
+  const char *const *skipped;     /* one line each: what was skipped and why */
   int skipped_count;
   const sdr_measured *measured; /* values that the scene's figures may name */
   int measured_count;

@@ -236,6 +236,7 @@ void sdr_read_output(sdr_reading *rd)
   read_checkpoint(rd, map);
   read_probes(rd, map);
   sdr_read_measures(rd, map);
+  sdr_read_crack_tips(rd, map);
   read_fragments(rd, map);
   read_ring(rd, map);
   sdr_read_done(r, map);

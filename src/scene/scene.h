@@ -303,6 +303,51 @@ typedef struct {
   sdr_origin origin;
 } sdr_measurement;
 
+/* What is told of a crack that is followed; each is a figure TIP_WORD. */
+typedef enum {
+  SDR_CRACK_FIRST_TIME,      /* s: first damage beyond the notch */
+  SDR_CRACK_START_TIME,      /* s: the tip has moved by `moved` */
+  SDR_CRACK_MEAN_SPEED,      /* m/s, from there to the end, along the arm that got farthest */
+  SDR_CRACK_MAX_SPEED,       /* m/s, the largest over the window, from there on */
+  SDR_CRACK_RAYLEIGH_SHARE,  /* that over the speed of Rayleigh waves */
+  SDR_CRACK_ANGLE,           /* rad, of the path against `direction` */
+  SDR_CRACK_TIPS,            /* how many there are at `count_at` */
+  SDR_CRACK_BRANCHES,        /* at the end */
+  SDR_CRACK_BRANCH_TIME,     /* s, of the first branch */
+  SDR_CRACK_BRANCH_X,        /* m */
+  SDR_CRACK_BRANCH_Y,        /* m */
+  SDR_CRACK_BRANCH_DISTANCE, /* m, from the notch's tip along the crack */
+  SDR_CRACK_BRANCH_SPEED,    /* m/s, over the window */
+  SDR_CRACK_LENGTH,          /* m, of all arms */
+  SDR_CRACK_AREA,            /* m^2, from damage */
+  SDR_CRACK_ENERGY,          /* J, dissipated within a horizon of the crack */
+  SDR_CRACK_TOUGHNESS_SHARE, /* that over area and toughness */
+  SDR_CRACK_FIGURES
+} sdr_crack_figure;
+extern const char *const sdr_crack_figure_words[]; /* ended by NULL */
+
+/* A crack that is followed from the tip of its notch. */
+typedef struct {
+  char name[SDR_NAME_MAX];
+  double start[3];     /* m, the notch's tip */
+  double direction[3]; /* of the notch, a unit vector */
+  sdr_length fit[2];   /* distances between which the angle is fitted; [1] INFINITY: the end */
+  char figure[SDR_CRACK_FIGURES][SDR_NAME_MAX];
+  sdr_origin origin;
+} sdr_crack_tip;
+
+/* Key `output.cracks`. Relative lengths are multiples of the largest spacing. */
+typedef struct {
+  double threshold;    /* damage of a point that a tip has passed; NAN: automatic */
+  double every;        /* s between looks; NAN: automatic */
+  double count_at;     /* s, when tips are counted; INFINITY: the end */
+  sdr_length moved;    /* a tip has started when it is this far */
+  sdr_length window;   /* along the path, of speeds */
+  sdr_length shortest; /* that an arm must be to count */
+  int tip_count;       /* 0: no crack is followed */
+  sdr_crack_tip *tip;
+} sdr_cracks_output;
+
 /* A figure of the problem with its accepted range; the run fills in the value by name. */
 typedef struct {
   char name[SDR_NAME_MAX];
@@ -323,6 +368,7 @@ typedef struct {
   sdr_probe *probe;
   int measure_count;
   sdr_measurement *measure;
+  sdr_cracks_output cracks;
   int fragments;             /* 1: count them at the end (default with a damage law) */
   double fragment_threshold; /* pairs with damage below this hold together; 0.5 */
   int ring;                  /* 1: count through-cracks around ring_centre (an annulus scene) */
