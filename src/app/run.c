@@ -99,6 +99,21 @@ static void set_moment(run *r)
                            .steps = built->steps};
 }
 
+static int is_over(const sdr_built *built)
+{
+  if (built->system->over) return 1;
+  if (!built->integrator->chooses) return built->system->step >= built->steps;
+  return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
+}
+
+/* Not at the end: there is no step any more that methods could look ahead to. */
+static sdr_status restart(run *r)
+{
+  const sdr_built *built = &r->built;
+  if (!built->integrator->restart || is_over(built)) return SDR_OK;
+  return built->integrator->restart(built->system, built->step);
+}
+
 static sdr_status begin(run *r, const sdr_run_options *options)
 {
   if (!options->resume) return r->built.integrator->start(r->built.system, r->built.step);
@@ -107,18 +122,10 @@ static sdr_status begin(run *r, const sdr_run_options *options)
   r->steps_before = r->moment.step;
   r->written = r->moment.time;
   r->built.step = r->moment.step_size;
-  const sdr_integrator *integrator = r->built.integrator;
-  return integrator->restart ? integrator->restart(r->built.system, r->built.step) : SDR_OK;
+  return restart(r);
 }
 
 /* ---- the loop -------------------------------------------------------------------------------- */
-
-static int is_over(const sdr_built *built)
-{
-  if (built->system->over) return 1;
-  if (!built->integrator->chooses) return built->system->step >= built->steps;
-  return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
-}
 
 /* Chosen steps may be far shorter than the longest, within which a checkpoint is due: one will do.
  */
@@ -136,8 +143,7 @@ static sdr_status write_checkpoint(run *r)
   r->written = r->moment.time;
   SDR_TRY(sdr_checkpoint_write(r->directory, &r->moment, built->traits.isa, r->observers,
                                r->observer_count));
-  return built->integrator->restart ? built->integrator->restart(built->system, built->step)
-                                    : SDR_OK;
+  return restart(r);
 }
 
 static sdr_status observe(run *r)

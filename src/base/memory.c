@@ -23,12 +23,16 @@ static header *header_of(void *block)
 
 static atomic_size_t held, most_held;
 static atomic_long successes_left = -1;
+static atomic_int fails_once;
 
 static int injected_failure(void)
 {
   long left = atomic_load(&successes_left);
   if (left < 0) return 0;
-  if (left == 0) return 1;
+  if (left == 0) {
+    if (atomic_load(&fails_once)) atomic_store(&successes_left, -1);
+    return 1;
+  }
   atomic_store(&successes_left, left - 1);
   return 0;
 }
@@ -96,7 +100,19 @@ size_t sdr_memory_peak(void)
 {
   return atomic_load(&most_held);
 }
+
+static void fail(long successes, int once)
+{
+  atomic_store(&fails_once, once);
+  atomic_store(&successes_left, successes);
+}
+
 void sdr_memory_fail_after(long successes)
 {
-  atomic_store(&successes_left, successes);
+  fail(successes, 0);
+}
+
+void sdr_memory_fail_once(long successes)
+{
+  fail(successes, 1);
 }

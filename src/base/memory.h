@@ -25,5 +25,7 @@ size_t sdr_memory_peak(void);
 
 /* For tests: let the next `successes` allocations pass and fail all after; negative: never fail. */
 void sdr_memory_fail_after(long successes);
+/* The same, but only the one after them fails: a failure that nobody looks at goes on unseen. */
+void sdr_memory_fail_once(long successes);
 
 #endif
