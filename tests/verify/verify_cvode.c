@@ -198,12 +198,13 @@ static const char *const plate =
 static void moving_supports_are_booked(void **state)
 {
   (void)state;
-  static const char *const models[] = {"bond_based", "ordinary"};
-  static const char *const methods[] = {"cvode", "cvode, method: adams", "ida"};
-  for (int k = 0; k < 4; ++k) {
+  static const char *const cases[][2] = {
+      {"bond_based", "cvode"}, {"bond_based", "cvode, method: adams"}, {"bond_based", "ida"},
+      {"ordinary", "cvode"},   {"nonordinary", "cvode, order: 5"},     {"nonordinary", "ida"}};
+  for (int k = 0; k < 6; ++k) {
     sdr_built run;
     sdr_balance end;
-    scene_build(&run, plate, models[k == 3], methods[k % 3]);
+    scene_build(&run, plate, cases[k][0], cases[k][1]);
     assert_at_most(run_to_end(&run, 1e-6), 1e-5);
     sdr_system_balance(run.system, &end);
     /* the start has the momentum of the right end: booked as none */
