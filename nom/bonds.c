@@ -6,21 +6,17 @@
 
 #include <math.h>
 
-static int one_horizon(const sdr_points *points)
+static sdr_status make_bonds(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds)
 {
-  for (int32_t i = 1; i < points->count; ++i)
-    if (points->horizon[i] != points->horizon[0]) return 0;
-  return 1;
-}
-
-/* Which points runs may join: those of a body with layers that have a family, so that all pairs of
-   a run have both weights. */
-static uint8_t *with_family(const sdr_points *points, const uint8_t *bulk)
-{
-  uint8_t *mask = sdr_alloc(sdr_points_padded(points), 1);
-  for (int32_t i = 0; mask && i < points->count; ++i)
-    mask[i] = sdr_has_family(points, i) && (!bulk || bulk[i]);
-  return mask;
+  if (points->row_count == 0 || how->force_loose) return sdr_loose_pairs(points, how, NULL, bonds);
+  sdr_lattice_groups groups;
+  SDR_TRY(sdr_lattice_groups_create(points, how, &groups));
+  sdr_status status = SDR_OK;
+  if (groups.count > 0) status = sdr_lattice_runs(points, how, &groups, bonds);
+  if (status == SDR_OK && !groups.whole)
+    status = sdr_loose_pairs(points, how, groups.count > 0 ? &groups : NULL, bonds);
+  sdr_lattice_groups_destroy(&groups);
+  return status;
 }
 
 sdr_status sdr_bonds_create(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds **out)
@@ -30,19 +26,8 @@ sdr_status sdr_bonds_create(const sdr_points *points, const sdr_bonds_how *how, 
   bonds->components = points->components;
   bonds->stripe_run = sdr_alloc((size_t)points->stripe_count + 1, sizeof *bonds->stripe_run);
   sdr_status status = bonds->stripe_run ? SDR_OK : SDR_RUN_FAILED;
-  if (status == SDR_OK) {
-    /* A lattice has the same neighbours everywhere only if it has one horizon. */
-    const int runs = points->row_count > 0 && !how->force_loose && one_horizon(points);
-    bonds->one_sided = how->one_sided;
-    sdr_bonds_how layered = *how;
-    uint8_t *mask = points->layer && runs ? with_family(points, how->bulk) : NULL;
-    if (points->layer && runs && !mask) status = SDR_RUN_FAILED;
-    if (mask) layered.bulk = mask;
-    if (status == SDR_OK && runs) status = sdr_lattice_runs(points, &layered, bonds);
-    if (status == SDR_OK && (!runs || layered.bulk))
-      status = sdr_loose_pairs(points, how, runs ? layered.bulk : NULL, bonds);
-    sdr_free(mask);
-  }
+  bonds->one_sided = how->one_sided;
+  if (status == SDR_OK) status = make_bonds(points, how, bonds);
   if (status == SDR_OK && bonds->pairs == 0)
     status = sdr_fail(SDR_BAD_INPUT, "no two points are within a horizon of each other, so the "
                                      "body has no bond; enlarge the horizon or the body");

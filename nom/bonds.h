@@ -56,6 +56,9 @@ typedef struct {
 /* How the bonds are to be made. */
 typedef struct {
   int force_loose; /* 1: no runs even on a lattice (tests) */
+  /* 1: runs within each level of nested lattices, for who asks a class for nothing but what it
+     holds; 0: runs only if all points have one level and one horizon */
+  int levels;
   /* Weight b of the bond i -> j in the family of i; NULL: 1. For points on a lattice it is asked
      once per class, with i and j two points of that class. `xi` has 3 entries. */
   double (*weight)(const void *context, int32_t i, int32_t j, const double xi[3]);

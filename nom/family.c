@@ -137,6 +137,16 @@ static sdr_status moments_of_stencil(sdr_families *families, sdr_family *family)
 
 /* ---- what each point's own family asks for --------------------------------------------------- */
 
+/* 1 if the point's family is the full stencil, of its own kind of points only. */
+static int is_full(const sdr_families *families, const sdr_neighbourhood *near, int32_t i)
+{
+  const sdr_family *own = sdr_family_of(families, i);
+  if (near->row[i + 1] - near->row[i] != own->neighbours) return 0;
+  for (int64_t k = near->row[i]; families->of_point && k < near->row[i + 1]; ++k)
+    if (sdr_family_of(families, near->column[k]) != own) return 0;
+  return 1;
+}
+
 static sdr_status find_bulk(sdr_families *families, const sdr_neighbourhood *near)
 {
   const sdr_points *points = families->points;
@@ -144,7 +154,7 @@ static sdr_status find_bulk(sdr_families *families, const sdr_neighbourhood *nea
   families->bulk = sdr_alloc(sdr_points_padded(points), 1);
   if (!families->bulk) return SDR_RUN_FAILED;
   for (int32_t i = 0; i < points->count; ++i)
-    families->bulk[i] = near->row[i + 1] - near->row[i] == sdr_family_of(families, i)->neighbours;
+    families->bulk[i] = (uint8_t)is_full(families, near, i);
   return SDR_OK;
 }
 

@@ -7,12 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows sorted by the lattice line they lie on, to find a row's partners. */
+/* The rows of one group, sorted by the lattice line they lie on to find a row's partners. */
 typedef struct {
   const sdr_points *points;
-  int across[2]; /* the two axes across the rows */
+  int across[2];              /* the two axes across the rows */
+  int count;                  /* rows */
+  const sdr_row **in_storage; /* as they are stored */
   const sdr_row **sorted;
-  int32_t *stripe; /* of each row, by its index in points->rows */
+  const int32_t *stripe; /* of each row, by its index in points->rows */
 } row_index;
 
 static int compare_line(const sdr_row *row, const int32_t line[2], const int across[2])
@@ -33,30 +35,30 @@ static int by_line(const void *left, const void *right, void *context)
   return order != 0 ? order : a->cell[axis] < b->cell[axis] ? -1 : a->cell[axis] > b->cell[axis];
 }
 
-static sdr_status index_rows(const sdr_points *points, row_index *index)
+/* The rows of group `group`. */
+static sdr_status index_rows(const sdr_points *points, const sdr_lattice_groups *groups, int group,
+                             const int32_t *stripe, row_index *index)
 {
   static const int across[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-  const size_t count = (size_t)points->row_count;
+  const size_t most = (size_t)points->row_count;
   index->points = points;
+  index->stripe = stripe;
   memcpy(index->across, across[points->row_axis], sizeof index->across);
-  index->sorted = sdr_alloc(count, sizeof *index->sorted);
-  index->stripe = sdr_alloc(count, sizeof *index->stripe);
-  if (!index->sorted || !index->stripe) return SDR_RUN_FAILED;
-  int32_t stripe = 0;
-  for (int r = 0; r < points->row_count; ++r) {
-    index->sorted[r] = &points->rows[r];
-    while (points->rows[r].first >= points->stripe_first[stripe + 1]) ++stripe;
-    index->stripe[r] = stripe;
-  }
-  qsort_r(index->sorted, count, sizeof *index->sorted, by_line, index);
+  index->in_storage = sdr_alloc(most, sizeof *index->in_storage);
+  index->sorted = sdr_alloc(most, sizeof *index->sorted);
+  if (!index->in_storage || !index->sorted) return SDR_RUN_FAILED;
+  for (int r = 0; r < points->row_count; ++r)
+    if (groups->of_row[r] == group + 1) index->in_storage[index->count++] = &points->rows[r];
+  memcpy(index->sorted, index->in_storage, (size_t)index->count * sizeof *index->sorted);
+  qsort_r(index->sorted, (size_t)index->count, sizeof *index->sorted, by_line, index);
   return SDR_OK;
 }
 
-/* First sorted row on the line that ends at or after `start`; row_count if none. */
+/* First sorted row on the line that ends at or after `start`; index->count if none. */
 static int find_partner(const row_index *index, const int32_t line[2], int32_t start)
 {
   const int axis = index->points->row_axis;
-  int low = 0, high = index->points->row_count;
+  int low = 0, high = index->count;
   while (low < high) {
     const int middle = low + (high - low) / 2;
     const sdr_row *row = index->sorted[middle];
@@ -70,10 +72,11 @@ static int find_partner(const row_index *index, const int32_t line[2], int32_t s
 }
 
 typedef struct {
-  const row_index *index;
-  const sdr_stencil *stencil;
-  int *order;          /* stencil steps of the half that is lexicographically positive, by line */
-  const uint8_t *bulk; /* see sdr_bonds_how */
+  row_index index;
+  sdr_stencil stencil;
+  int first_class; /* of the classes of this group */
+  int *order;      /* stencil steps of the half that is lexicographically positive, by line */
+  const uint8_t *of_point; /* groups of points, where not all of a row are in one; else NULL */
   sdr_bonds *bonds;
   int64_t *cursor; /* next free run of each stripe; NULL while counting into stripe_run[s + 1] */
 } run_builder;
@@ -81,7 +84,7 @@ typedef struct {
 static void add_run(const run_builder *build, int class_index, const sdr_row *row,
                     const sdr_row *partner, int32_t from, int32_t length, int32_t shift)
 {
-  const row_index *index = build->index;
+  const row_index *index = &build->index;
   const sdr_row *rows = index->points->rows;
   const int32_t si = index->stripe[row - rows], sj = index->stripe[partner - rows];
   const int32_t owner = si < sj ? si : sj;
@@ -92,7 +95,7 @@ static void add_run(const run_builder *build, int class_index, const sdr_row *ro
   }
   const int axis = index->points->row_axis;
   build->bonds->runs[build->cursor[owner]++] =
-      (sdr_bond_run){.class_index = class_index,
+      (sdr_bond_run){.class_index = build->first_class + class_index,
                      .i0 = row->first + (from - row->cell[axis]),
                      .j0 = partner->first + (from + shift - partner->cell[axis]),
                      .length = length};
@@ -103,12 +106,12 @@ static void add_bulk_runs(const run_builder *build, int class_index, const sdr_r
                           const sdr_row *partner, int32_t from, int32_t to, int32_t shift)
 {
   if (from >= to) return;
-  if (!build->bulk) {
+  if (!build->of_point) {
     add_run(build, class_index, row, partner, from, to - from, shift);
     return;
   }
-  const int axis = build->index->points->row_axis;
-  const uint8_t *i = build->bulk + row->first, *j = build->bulk + partner->first;
+  const int axis = build->index.points->row_axis;
+  const uint8_t *i = build->of_point + row->first, *j = build->of_point + partner->first;
   for (int32_t start = from; start < to;) {
     int32_t end = start;
     while (end < to && i[end - row->cell[axis]] && j[end + shift - partner->cell[axis]]) ++end;
@@ -127,15 +130,15 @@ typedef struct {
    two rows follow each other (the kernels add their forces up together). */
 static void runs_to_line(const run_builder *build, line_classes line, const sdr_row *row)
 {
-  const row_index *index = build->index;
-  const sdr_stencil *stencil = build->stencil;
+  const row_index *index = &build->index;
+  const sdr_stencil *stencil = &build->stencil;
   const int axis = index->points->row_axis, *const order = build->order;
   const int32_t *least = stencil->step + 3 * order[line.first];
   const int32_t *most = stencil->step + 3 * order[line.end - 1];
   const int32_t at[2] = {row->cell[index->across[0]] + least[index->across[0]],
                          row->cell[index->across[1]] + least[index->across[1]]};
   const int32_t start = row->cell[axis], end = start + row->length;
-  for (int p = find_partner(index, at, start + least[axis]); p < index->points->row_count; ++p) {
+  for (int p = find_partner(index, at, start + least[axis]); p < index->count; ++p) {
     const sdr_row *partner = index->sorted[p];
     const int32_t first = partner->cell[axis], last = first + partner->length;
     if (compare_line(partner, at, index->across) != 0 || first - most[axis] >= end) break;
@@ -152,9 +155,9 @@ static void runs_to_line(const run_builder *build, line_classes line, const sdr_
 static int by_class_line(const void *left, const void *right, void *context)
 {
   const run_builder *build = context;
-  const int32_t *a = build->stencil->step + 3 * *(const int *)left;
-  const int32_t *b = build->stencil->step + 3 * *(const int *)right;
-  const int *across = build->index->across, axis = build->index->points->row_axis;
+  const int32_t *a = build->stencil.step + 3 * *(const int *)left;
+  const int32_t *b = build->stencil.step + 3 * *(const int *)right;
+  const int *across = build->index.across, axis = build->index.points->row_axis;
   for (int k = 1; k >= 0; --k)
     if (a[across[k]] != b[across[k]]) return a[across[k]] < b[across[k]] ? -1 : 1;
   return a[axis] < b[axis] ? -1 : a[axis] > b[axis];
@@ -162,43 +165,39 @@ static int by_class_line(const void *left, const void *right, void *context)
 
 static int same_line(const run_builder *build, int left, int right)
 {
-  const int32_t *a = build->stencil->step + 3 * left, *b = build->stencil->step + 3 * right;
-  const int *across = build->index->across;
+  const int32_t *a = build->stencil.step + 3 * left, *b = build->stencil.step + 3 * right;
+  const int *across = build->index.across;
   return a[across[0]] == b[across[0]] && a[across[1]] == b[across[1]];
 }
 
 static void each_row_and_class(const run_builder *build)
 {
-  const sdr_points *points = build->index->points;
-  const int count = build->stencil->count - build->stencil->count / 2;
-  for (int r = 0; r < points->row_count; ++r)
+  const int count = build->stencil.count - build->stencil.count / 2;
+  for (int r = 0; r < build->index.count; ++r)
     for (line_classes line = {0, 1}; line.first < count; line.first = line.end++) {
       while (line.end < count && same_line(build, build->order[line.first], build->order[line.end]))
         ++line.end;
-      runs_to_line(build, line, &points->rows[r]);
+      runs_to_line(build, line, build->index.in_storage[r]);
     }
 }
 
-static sdr_status make_classes(const sdr_points *points, const sdr_stencil *stencil,
-                               sdr_bonds *bonds)
+/* The classes of a group, from its first_class on. */
+static void make_classes(const run_builder *build, double spacing)
 {
-  const int first = stencil->count / 2;
-  bonds->class_count = stencil->count - first;
-  bonds->classes = sdr_alloc((size_t)bonds->class_count, sizeof *bonds->classes);
-  if (!bonds->classes) return SDR_RUN_FAILED;
-  for (int c = 0; c < bonds->class_count; ++c) {
-    const int32_t *step = stencil->step + 3 * (first + c);
-    sdr_bond_class *class = &bonds->classes[c];
+  const sdr_points *points = build->index.points;
+  const int first = build->stencil.count / 2;
+  for (int c = first; c < build->stencil.count; ++c) {
+    const int32_t *step = build->stencil.step + 3 * c;
+    sdr_bond_class *class = &build->bonds->classes[build->first_class + c - first];
     double square = 0.0;
     for (int a = 0; a < 3; ++a) {
       square += (double)step[a] * step[a];
       for (int b = 0; b < points->components; ++b)
-        class->xi[b] += points->lattice_spacing * step[a] * points->axes[a][b];
+        class->xi[b] += spacing * step[a] * points->axes[a][b];
     }
-    class->length = points->lattice_spacing * sqrt(square);
+    class->length = spacing * sqrt(square);
     class->inverse_square = 1.0 / (class->length * class->length);
   }
-  return SDR_OK;
 }
 
 /* The weights of each class, asked of any of its pairs. */
@@ -238,7 +237,7 @@ static void number_slots(sdr_bonds *bonds)
 
 static sdr_status order_classes(run_builder *build)
 {
-  const int first = build->stencil->count / 2, count = build->stencil->count - first;
+  const int first = build->stencil.count / 2, count = build->stencil.count - first;
   build->order = sdr_alloc((size_t)count, sizeof *build->order);
   if (!build->order) return SDR_RUN_FAILED;
   for (int c = 0; c < count; ++c) build->order[c] = first + c;
@@ -246,41 +245,99 @@ static sdr_status order_classes(run_builder *build)
   return SDR_OK;
 }
 
-static sdr_status place_runs(run_builder *build)
+/* All groups at work, and what they share. */
+typedef struct {
+  const sdr_points *points;
+  const sdr_lattice_groups *groups;
+  sdr_bonds *bonds;
+  run_builder *builders; /* a group */
+  int32_t *stripe;       /* of each row */
+  int64_t *cursor;
+} all_runs;
+
+static sdr_status find_stripes(all_runs *all)
 {
-  sdr_bonds *bonds = build->bonds;
-  const int stripes = build->index->points->stripe_count;
-  SDR_TRY(order_classes(build));
-  each_row_and_class(build); /* counts */
+  const sdr_points *points = all->points;
+  all->stripe = sdr_alloc((size_t)points->row_count, sizeof *all->stripe);
+  if (!all->stripe) return SDR_RUN_FAILED;
+  int32_t stripe = 0;
+  for (int r = 0; r < points->row_count; ++r) {
+    while (points->rows[r].first >= points->stripe_first[stripe + 1]) ++stripe;
+    all->stripe[r] = stripe;
+  }
+  return SDR_OK;
+}
+
+static sdr_status start_group(all_runs *all, int g)
+{
+  const sdr_lattice_group *group = &all->groups->group[g];
+  run_builder *build = &all->builders[g];
+  build->bonds = all->bonds;
+  build->of_point = all->groups->ragged ? all->groups->of_point : NULL;
+  build->first_class = all->bonds->class_count;
+  SDR_TRY(index_rows(all->points, all->groups, g, all->stripe, &build->index));
+  SDR_TRY(
+      sdr_stencil_create(all->points->components, group->spacing, group->horizon, &build->stencil));
+  all->bonds->class_count += build->stencil.count - build->stencil.count / 2;
+  return order_classes(build);
+}
+
+static sdr_status start_groups(all_runs *all)
+{
+  const int count = all->groups->count;
+  all->builders = sdr_alloc((size_t)count, sizeof *all->builders);
+  if (!all->builders) return SDR_RUN_FAILED;
+  SDR_TRY(find_stripes(all));
+  for (int g = 0; g < count; ++g) SDR_TRY(start_group(all, g));
+  all->bonds->classes = sdr_alloc((size_t)all->bonds->class_count, sizeof *all->bonds->classes);
+  if (!all->bonds->classes) return SDR_RUN_FAILED;
+  for (int g = 0; g < count; ++g) make_classes(&all->builders[g], all->groups->group[g].spacing);
+  return SDR_OK;
+}
+
+static sdr_status place_runs(all_runs *all)
+{
+  sdr_bonds *bonds = all->bonds;
+  const int stripes = all->points->stripe_count, count = all->groups->count;
+  for (int g = 0; g < count; ++g) each_row_and_class(&all->builders[g]); /* counts */
   for (int s = 0; s < stripes; ++s) bonds->stripe_run[s + 1] += bonds->stripe_run[s];
   bonds->run_count = bonds->stripe_run[stripes];
   bonds->runs = sdr_alloc((size_t)bonds->run_count, sizeof *bonds->runs);
-  build->cursor = sdr_alloc((size_t)stripes, sizeof *build->cursor);
-  if (!bonds->runs || !build->cursor) return SDR_RUN_FAILED;
-  memcpy(build->cursor, bonds->stripe_run, (size_t)stripes * sizeof *build->cursor);
-  each_row_and_class(build);
+  all->cursor = sdr_alloc((size_t)stripes, sizeof *all->cursor);
+  if (!bonds->runs || !all->cursor) return SDR_RUN_FAILED;
+  memcpy(all->cursor, bonds->stripe_run, (size_t)stripes * sizeof *all->cursor);
+  for (int g = 0; g < count; ++g) {
+    all->builders[g].cursor = all->cursor;
+    each_row_and_class(&all->builders[g]);
+  }
   bonds->directed = 2 * bonds->pairs;
   return SDR_OK;
 }
 
-sdr_status sdr_lattice_runs(const sdr_points *points, const sdr_bonds_how *how, sdr_bonds *bonds)
+static void destroy_groups(all_runs *all)
 {
-  sdr_stencil stencil = {0};
-  row_index index = {0};
-  run_builder build = {.index = &index, .stencil = &stencil, .bulk = how->bulk, .bonds = bonds};
-  sdr_status status =
-      sdr_stencil_create(points->components, points->lattice_spacing, points->horizon[0], &stencil);
-  if (status == SDR_OK) status = index_rows(points, &index);
-  if (status == SDR_OK) status = make_classes(points, &stencil, bonds);
-  if (status == SDR_OK) status = place_runs(&build);
+  for (int g = 0; all->builders && g < all->groups->count; ++g) {
+    run_builder *build = &all->builders[g];
+    sdr_free(build->order);
+    sdr_free(build->index.in_storage);
+    sdr_free(build->index.sorted);
+    sdr_stencil_destroy(&build->stencil);
+  }
+  sdr_free(all->builders);
+  sdr_free(all->cursor);
+  sdr_free(all->stripe);
+}
+
+sdr_status sdr_lattice_runs(const sdr_points *points, const sdr_bonds_how *how,
+                            const sdr_lattice_groups *groups, sdr_bonds *bonds)
+{
+  all_runs all = {.points = points, .groups = groups, .bonds = bonds};
+  sdr_status status = start_groups(&all);
+  if (status == SDR_OK) status = place_runs(&all);
   if (status == SDR_OK) {
     weigh_classes(points, how, bonds);
     number_slots(bonds);
   }
-  sdr_free(build.cursor);
-  sdr_free(build.order);
-  sdr_free(index.sorted);
-  sdr_free(index.stripe);
-  sdr_stencil_destroy(&stencil);
+  destroy_groups(&all);
   return status;
 }

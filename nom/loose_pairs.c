@@ -12,7 +12,7 @@ enum { BLOCK = 128 }; /* chunks a task */
 typedef struct {
   const sdr_points *points;
   const sdr_bonds_how *how;
-  const uint8_t *bulk; /* pairs between two such points are in runs; NULL: none is */
+  const sdr_lattice_groups *groups; /* which pairs runs hold; NULL: none */
   sdr_neighbourhood family, dual_only;
   sdr_loose *loose;
 } loose_builder;
@@ -26,7 +26,7 @@ static void keep_loose(loose_builder *build)
     const int64_t end = family->row[i + 1];
     for (int64_t k = first; k < end; ++k) {
       const int32_t j = family->column[k];
-      if (!build->bulk[i] || !build->bulk[j]) family->column[kept++] = j;
+      if (!sdr_on_run(build->groups, i, j)) family->column[kept++] = j;
     }
     family->row[i + 1] = kept;
     first = end;
@@ -161,13 +161,13 @@ static double shared_weight(const sdr_loose *loose)
   return shared;
 }
 
-sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how, const uint8_t *bulk,
-                           sdr_bonds *bonds)
+sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how,
+                           const sdr_lattice_groups *groups, sdr_bonds *bonds)
 {
-  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose, .bulk = bulk};
+  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose, .groups = groups};
   int64_t one_sided = 0; /* pairs outside one of the families */
   sdr_status status = sdr_neighbourhood_create(points, &build.family);
-  if (status == SDR_OK && bulk) keep_loose(&build);
+  if (status == SDR_OK && groups) keep_loose(&build);
   if (status == SDR_OK) status = find_dual_only(&build);
   if (status == SDR_OK) {
     one_sided = build.dual_only.row[points->count];

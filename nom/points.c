@@ -64,46 +64,79 @@ void sdr_points_destroy(sdr_points **points)
 
 /* ---- storage order --------------------------------------------------------------------------- */
 
+/* `part` first: on lattices the slab and in it the level. */
 typedef struct {
   uint64_t key;
+  uint32_t part;
   int32_t point;
 } keyed;
 
 static int by_key(const void *a, const void *b)
 {
   const keyed *left = a, *right = b;
+  if (left->part != right->part) return left->part < right->part ? -1 : 1;
   if (left->key != right->key) return left->key < right->key ? -1 : 1;
   return left->point < right->point ? -1 : left->point > right->point;
 }
 
-/* How a lattice is laid out: slabs of `thickness` planes across stripe_axis, rows along row_axis.
- */
+/* How lattices are laid out: slabs of `thickness` cells of level 0 across stripe_axis, rows along
+   row_axis. low and extent are in cells of level 0. */
 typedef struct {
-  int stripe_axis, row_axis, other_axis;
+  int stripe_axis, row_axis, other_axis, levels;
   int32_t low[3], extent[3], thickness, slabs;
 } layout;
 
+static int level_of(const sdr_points *points, int32_t i)
+{
+  return points->level ? points->level[i] : 0;
+}
+
+/* The cell of level 0 that a coordinate at `level` lies in. */
+static int32_t ancestor(int32_t c, int level)
+{
+  const int64_t size = (int64_t)1 << level, from = c;
+  return (int32_t)((from >= 0 ? from : from - size + 1) / size);
+}
+
 static void lattice_extent(const sdr_points *points, layout *how)
 {
-  int32_t high[3];
-  for (int a = 0; a < 3; ++a) how->low[a] = high[a] = points->cell[a];
-  for (int32_t i = 1; i < points->count; ++i)
+  int32_t high[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
+  for (int a = 0; a < 3; ++a) how->low[a] = INT32_MAX;
+  for (int32_t i = 0; i < points->count; ++i)
     for (int a = 0; a < 3; ++a) {
-      const int32_t c = points->cell[3 * (size_t)i + (size_t)a];
+      const int level = a < points->components ? level_of(points, i) : 0;
+      const int32_t c = ancestor(points->cell[3 * (size_t)i + (size_t)a], level);
       if (c < how->low[a]) how->low[a] = c;
       if (c > high[a]) high[a] = c;
     }
   for (int a = 0; a < 3; ++a) how->extent[a] = high[a] - how->low[a] + 1;
 }
 
+/* Cells of level 0 that a bond between points of one level spans at most; sets how->levels. */
+static int32_t longest_reach(const sdr_points *points, layout *how)
+{
+  int32_t longest = 0;
+  double known = 0.0; /* the horizon last looked at, and its level */
+  int known_level = -1;
+  for (int32_t i = 0; i < points->count; ++i) {
+    const int level = level_of(points, i);
+    if (level == known_level && points->horizon[i] <= known) continue;
+    known = points->horizon[i];
+    known_level = level;
+    const double size = ldexp(points->lattice_spacing, -level);
+    const int32_t steps = (int32_t)floor(known / size * (1.0 + 1e-9));
+    const int32_t reach = ancestor(steps + (1 << level) - 1, level);
+    if (reach > longest) longest = reach;
+    if (level >= how->levels) how->levels = level + 1;
+  }
+  return longest;
+}
+
 static layout choose_layout(const sdr_points *points)
 {
   layout how = {0};
   lattice_extent(points, &how);
-  double horizon = 0.0;
-  for (int32_t i = 0; i < points->count; ++i)
-    if (points->horizon[i] > horizon) horizon = points->horizon[i];
-  const int32_t reach = (int32_t)floor(horizon / points->lattice_spacing * (1.0 + 1e-9));
+  const int32_t reach = longest_reach(points, &how);
 
   int stripe = 0;
   for (int a = 1; a < points->components; ++a)
@@ -124,19 +157,29 @@ static layout choose_layout(const sdr_points *points)
   return how;
 }
 
-/* Order: slab, then the plane across the stripe axis, then the other axis, then along the row. */
-static uint64_t lattice_key(const layout *how, const int32_t cell[3])
+static int32_t slab_of(const layout *how, const int32_t *cell, int level)
 {
+  const int s = how->stripe_axis;
+  return (ancestor(cell[s], level) - how->low[s]) / how->thickness;
+}
+
+/* Order: slab, level, then the plane across the stripe axis, then the other axis, then along the
+   row. */
+static keyed lattice_key(const layout *how, const sdr_points *points, int32_t i)
+{
+  const int32_t *cell = points->cell + 3 * (size_t)i;
+  const int level = level_of(points, i);
   uint64_t c[3], n[3];
   for (int a = 0; a < 3; ++a) {
-    c[a] = (uint64_t)(cell[a] - how->low[a]);
-    n[a] = (uint64_t)how->extent[a];
+    const int shift = a < points->components ? level : 0;
+    c[a] = (uint64_t)(cell[a] - ((int64_t)how->low[a] << shift));
+    n[a] = (uint64_t)how->extent[a] << shift;
   }
   const int s = how->stripe_axis, r = how->row_axis, o = how->other_axis;
-  if (r != s) return (c[s] * n[o] + c[o]) * n[r] + c[r];
-  const int p = 3 - r - o; /* the third axis */
-  const uint64_t slab = c[s] / (uint64_t)how->thickness;
-  return ((slab * n[p] + c[p]) * n[o] + c[o]) * n[r] + c[r];
+  const int across = r != s ? s : 3 - r - o; /* the third axis */
+  return (keyed){.key = (c[across] * n[o] + c[o]) * n[r] + c[r],
+                 .part = (uint32_t)(slab_of(how, cell, level) * how->levels + level),
+                 .point = i};
 }
 
 /* Spread the low 21 bits of v to every third bit. */
@@ -167,14 +210,14 @@ static void curve_keys(const sdr_points *points, keyed *order)
     uint64_t key = 0;
     for (int a = 0; a < points->components; ++a)
       key |= every_third_bit((uint64_t)((points->x[a][i] - low[a]) * scale)) << a;
-    order[i] = (keyed){key, i};
+    order[i] = (keyed){.key = key, .point = i};
   }
 }
 
 static int in_order(const keyed *order, int32_t count)
 {
   for (int32_t i = 1; i < count; ++i)
-    if (order[i].key < order[i - 1].key) return 0;
+    if (by_key(&order[i - 1], &order[i]) > 0) return 0;
   return 1;
 }
 
@@ -212,19 +255,16 @@ static sdr_status sort_points(sdr_points *points, keyed *order)
 
 /* ---- rows and stripes ------------------------------------------------------------------------ */
 
-static int32_t slab_of(const layout *how, const int32_t *cell)
-{
-  return (cell[how->stripe_axis] - how->low[how->stripe_axis]) / how->thickness;
-}
-
 /* 1 if point i goes on the row that point i - 1 is on and that already holds `length` points. */
 static int same_row(const sdr_points *points, const layout *how, int32_t i, int32_t length)
 {
   const int32_t *before = points->cell + 3 * (size_t)(i - 1), *here = before + 3;
-  if (length >= LONG_ROW) return 0;
+  const int level = level_of(points, i);
+  if (length >= LONG_ROW || level_of(points, i - 1) != level) return 0;
+  if (points->horizon[i] != points->horizon[i - 1]) return 0;
   for (int a = 0; a < 3; ++a)
     if (here[a] - before[a] != (a == how->row_axis)) return 0;
-  return slab_of(how, here) == slab_of(how, before);
+  return slab_of(how, here, level) == slab_of(how, before, level);
 }
 
 static int make_rows(const sdr_points *points, const layout *how, sdr_row *rows)
@@ -241,6 +281,7 @@ static int make_rows(const sdr_points *points, const layout *how, sdr_row *rows)
     if (rows) {
       rows[count].first = i;
       rows[count].length = 1;
+      rows[count].level = level_of(points, i);
       memcpy(rows[count].cell, points->cell + 3 * (size_t)i, sizeof rows[count].cell);
     }
     ++count;
@@ -260,7 +301,9 @@ static sdr_status lattice_stripes(sdr_points *points, const layout *how)
   int32_t i = 0;
   for (int32_t s = 0; s < how->slabs; ++s) {
     points->stripe_first[s] = i;
-    while (i < points->count && slab_of(how, points->cell + 3 * (size_t)i) == s) ++i;
+    while (i < points->count &&
+           slab_of(how, points->cell + 3 * (size_t)i, level_of(points, i)) == s)
+      ++i;
   }
   points->stripe_first[how->slabs] = points->count;
   return SDR_OK;
@@ -285,8 +328,7 @@ sdr_status sdr_points_arrange(sdr_points *points)
   layout how = {0};
   if (points->cell) {
     how = choose_layout(points);
-    for (int32_t i = 0; i < points->count; ++i)
-      order[i] = (keyed){lattice_key(&how, points->cell + 3 * (size_t)i), i};
+    for (int32_t i = 0; i < points->count; ++i) order[i] = lattice_key(&how, points, i);
   } else {
     curve_keys(points, order);
   }

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Consecutive points of one lattice row: first .. first + length - 1, of one level, horizon and
-   volume, at the coordinates cell, cell + e, cell + 2 e, ... in the lattice of their level, with e
+/* Consecutive points of one lattice row: first .. first + length - 1, of one level and
+   horizon, at the coordinates cell, cell + e, cell + 2 e, ... in the lattice of their level, with e
    the unit step along the points' row_axis. */
 typedef struct {
   int32_t first, length;
@@ -43,7 +43,7 @@ typedef struct {
      0. The cells of level L have the size lattice_spacing / 2^L; a point lies in the middle of its
      cell c, at corner + sum over a of axes[a] (c_a + 1/2) size, with one corner for all levels, so
      that the children of c are 2 c + {0, 1} a component. Points of any level may lie anywhere; two
-     points of a level never share a cell. */
+     points of a level never share a cell, and all of a level have the same volume. */
   int32_t *cell;          /* 3 a point; consumed (freed) by sdr_points_arrange */
   double lattice_spacing; /* of level 0 */
   double axes[3][3];      /* axes[a]: unit vector of lattice axis a; identity if not turned */
@@ -68,7 +68,7 @@ size_t sdr_points_padded(const sdr_points *points);
 
 /* Bring the points into storage order (lattices: slab by slab, in a slab level by level, in a level
    row by row; else along a space-filling curve), set `generated`, rows and stripes. Needs x and
-   horizon, and on a lattice cell, volume and, where some point is not of level 0, level. */
+   horizon, and on a lattice cell and, where some point is not of level 0, level. */
 sdr_status sdr_points_arrange(sdr_points *points);
 
 /* 1 if point i is one of the body, not of a layer outside it. */

@@ -69,6 +69,7 @@ static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
     const sdr_bonds_how bonds_how = {.weight = sdr_families_weight,
                                      .context = *families,
                                      .bulk = (*families)->bulk,
+                                     .levels = scene->model == SDR_BOND_BASED,
                                      .one_sided = scene->one_sided};
     status = sdr_bonds_create(points, &bonds_how, bonds);
   }

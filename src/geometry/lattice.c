@@ -197,7 +197,7 @@ typedef struct {
   int64_t count;
 } filler;
 
-static void put(filler *fill, const double x[3], double size, int level)
+static void put(filler *fill, const double x[3], const int32_t at[3], double size, int level)
 {
   const int64_t i = fill->count++;
   sdr_points *points = fill->points;
@@ -208,6 +208,7 @@ static void put(filler *fill, const double x[3], double size, int level)
   points->volume[i] = size * (components > 1 ? size : 1.0) *
                       (components > 2 ? size : fill->scene->points.thickness);
   if (points->level) points->level[i] = (uint8_t)level;
+  for (int c = 0; points->cell && c < 3; ++c) points->cell[3 * i + c] = at[c];
 }
 
 static int wanted_level(const filler *fill, const double x[3], double size)
@@ -222,23 +223,27 @@ static int wanted_level(const filler *fill, const double x[3], double size)
   return level;
 }
 
-/* The cell or, in order (z slowest), its children; `wanted` is the least level it must have. */
-static void put_cell(filler *fill, const double x[3], double size, int level, int wanted)
+/* The cell `at` or, in order (z slowest), its children; `wanted` is the least level it must have.
+ */
+static void put_cell(filler *fill, const double x[3], const int32_t at[3], int level, int wanted)
 {
   const frame *f = fill->frame;
+  const double size = ldexp(f->h, -level);
   const int asked = wanted_level(fill, x, size);
   if (asked > wanted) wanted = asked;
   if (level >= wanted || fill->count > most_points) {
-    put(fill, x, size, level);
+    put(fill, x, at, size, level);
     return;
   }
   for (int child = 0; child < 1 << f->components; ++child) {
     double place[3] = {x[0], x[1], x[2]};
+    int32_t cell[3] = {at[0], at[1], at[2]};
     for (int a = 0; a < f->components; ++a) {
+      cell[a] = 2 * at[a] + (child >> a & 1);
       const double step = child >> a & 1 ? 0.25 * size : -0.25 * size;
       for (int c = 0; c < 3; ++c) place[c] += step * f->axes[a][c];
     }
-    put_cell(fill, place, 0.5 * size, level + 1, wanted);
+    put_cell(fill, place, cell, level + 1, wanted);
   }
 }
 
@@ -252,13 +257,10 @@ static void fill_all(filler *fill, const spans *s)
       const double cell[3] = {at[0], at[1], at[2]};
       double x[3];
       site_place(f, cell, x);
-      if (fill->points && fill->points->cell) {
-        for (int c = 0; c < 3; ++c) fill->points->cell[3 * fill->count + c] = at[c];
-      }
       if (fill->scene->points.refine_count == 0) {
-        put(fill, x, f->h, 0);
+        put(fill, x, at, f->h, 0);
       } else {
-        put_cell(fill, x, f->h, 0, 0);
+        put_cell(fill, x, at, 0, 0);
       }
     }
   }
@@ -316,7 +318,7 @@ static sdr_status move_randomly(const sdr_scene *scene, sdr_points *points)
 static sdr_status create_points(filler *fill, const spans *s)
 {
   const sdr_points_scene *wanted = &fill->scene->points;
-  const int refined = wanted->refine_count > 0, lattice = !refined && wanted->jitter == 0.0;
+  const int refined = wanted->refine_count > 0, lattice = wanted->jitter == 0.0;
   fill->count = s->sites;
   if (refined) {
     fill->count = 0;

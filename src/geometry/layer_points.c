@@ -175,10 +175,11 @@ static void cell_of_image(const maker *m, int32_t p, double d, image *one)
   const sdr_points *body = m->body;
   const int32_t *from =
       p < body->count ? body->cell + 3 * (size_t)p : m->list[p - body->count].cell;
+  const double size = body->spacing[one->root];
   for (int a = 0; a < 3; ++a) {
     double dot = 0.0;
     for (int c = 0; c < 3; ++c) dot += body->axes[a][c] * m->normal[c];
-    one->cell[a] = from[a] + (int32_t)rint(2.0 * d * dot / body->lattice_spacing);
+    one->cell[a] = from[a] + (int32_t)rint(2.0 * d * dot / size);
   }
 }
 

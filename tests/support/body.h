@@ -31,8 +31,10 @@ typedef struct {
   double scatter;    /* of Young's modulus, share */
   int two_materials; /* points with x > 0 have 3 times the toughness and half the modulus */
   int force_loose;
-  int mixed;   /* explicit forces of runs in float */
-  int precise; /* histories in double, as implicit integrators want them */
+  int (*refined)(
+      const int32_t cell[3]); /* cells that are replaced by children of half their size */
+  int mixed;                  /* explicit forces of runs in float */
+  int precise;                /* histories in double, as implicit integrators want them */
 } body_how;
 
 typedef struct {
@@ -48,21 +50,43 @@ typedef struct {
 static const double body_young = 70e9, body_spacing = 0.5e-3;
 
 static inline void body_place(const body_how *how, sdr_points *points, int32_t i,
-                              const int32_t cell[3], uint64_t *seed)
+                              const int32_t cell[3], int level, uint64_t *seed)
 {
   const int n = points->components;
+  const double spacing = ldexp(body_spacing, -level);
   for (int a = 0; a < n; ++a) {
     double x = 0.0;
-    for (int b = 0; b < n; ++b)
-      x += points->axes[b][a] * (cell[b] - 0.5 * (how->cells[b] - 1)) * body_spacing;
+    for (int b = 0; b < n; ++b) {
+      const double middle = ldexp(0.5 * how->cells[b], level) - 0.5;
+      x += points->axes[b][a] * (cell[b] - middle) * spacing;
+    }
     points->x[a][i] = x + (how->jitter > 0.0 ? how->jitter * body_spacing * noise(seed) : 0.0);
   }
   const double ratio = how->ratio > 0.0 ? how->ratio : 3.015;
-  points->spacing[i] = body_spacing;
-  points->volume[i] = pow(body_spacing, n);
-  points->horizon[i] = ratio * body_spacing;
+  points->spacing[i] = spacing;
+  points->volume[i] = pow(spacing, n);
+  points->horizon[i] = ratio * spacing;
+  if (points->level) points->level[i] = (uint8_t)level;
+  if (points->cell) memcpy(points->cell + 3 * (size_t)i, cell, 3 * sizeof *cell);
   if (how->horizon_spread > 0.0) points->horizon[i] *= 1.0 + how->horizon_spread * noise(seed);
   points->material[i] = how->two_materials && points->x[0][i] > 0.0;
+}
+
+/* The cell, or its children. */
+static inline int32_t body_place_cell(const body_how *how, sdr_points *points, int32_t i,
+                                      const int32_t cell[3], uint64_t *seed)
+{
+  const int n = points->components;
+  if (!how->refined || !how->refined(cell)) {
+    body_place(how, points, i, cell, 0, seed);
+    return i + 1;
+  }
+  for (int k = 0; k < 1 << n; ++k) {
+    int32_t child[3] = {0};
+    for (int a = 0; a < n; ++a) child[a] = 2 * cell[a] + (k >> a & 1);
+    body_place(how, points, i++, child, 1, seed);
+  }
+  return i;
 }
 
 /* Generated in lattice order, x fastest; `keep` (or NULL) says which cells belong to the body. */
@@ -72,8 +96,9 @@ static inline sdr_points *body_points(const body_how *how, int (*keep)(const int
   int32_t size[3] = {1, 1, 1}, count = 0;
   for (int a = 0; a < n; ++a) size[a] = how->cells[a];
   sdr_points *points;
-  assert_int_equal(sdr_points_create(size[0] * size[1] * size[2], n, how->jitter <= 0.0, &points),
-                   SDR_OK);
+  const int32_t most = size[0] * size[1] * size[2] * (how->refined ? 1 << n : 1);
+  assert_int_equal(sdr_points_create(most, n, how->jitter <= 0.0, &points), SDR_OK);
+  if (how->refined) points->level = sdr_alloc((size_t)most + 64, 1);
   if (n > 1) {
     points->axes[0][0] = points->axes[1][1] = cos(how->angle);
     points->axes[0][1] = sin(how->angle);
@@ -85,8 +110,7 @@ static inline sdr_points *body_points(const body_how *how, int (*keep)(const int
       for (int32_t x = 0; x < size[0]; ++x) {
         const int32_t cell[3] = {x, y, z};
         if (keep && !keep(cell)) continue;
-        if (points->cell) memcpy(points->cell + 3 * (size_t)count, cell, sizeof cell);
-        body_place(how, points, count++, cell, &seed);
+        count = body_place_cell(how, points, count, cell, &seed);
       }
   points->count = count;
   points->lattice_spacing = body_spacing;
@@ -153,6 +177,7 @@ static inline body body_create_kept(const body_how *how, int (*keep)(const int32
   assert_int_equal(sdr_families_create(b.points, &how->weight, &b.families), SDR_OK);
   body_materials(&b);
   const sdr_bonds_how bonds_how = {.force_loose = how->force_loose,
+                                   .levels = 1,
                                    .weight = sdr_families_weight,
                                    .context = b.families,
                                    .bulk = b.families->bulk};

@@ -182,7 +182,6 @@ static void refinement_halves_cells_and_keeps_the_volume(void **state)
   sdr_points *points = points_of(&scene);
   /* 8 coarse, 7 cells of 4 children, 1 of 64 */
   assert_int_equal(points->count, 8 + 7 * 4 + 64);
-  assert_null(points->cell);
   int32_t of_level[4] = {0};
   double volume = 0.0, low = 1.0;
   for (int32_t i = 0; i < points->count; ++i) {
@@ -191,6 +190,8 @@ static void refinement_halves_cells_and_keeps_the_volume(void **state)
     low = fmin(low, points->x[0][i]);
     assert_near(points->spacing[i], ldexp(1.0, -points->level[i]), 0.0);
     assert_near(points->horizon[i], 3.015 * points->spacing[i], 1e-15);
+    for (int c = 0; c < 2; ++c) /* cells of every level begin at one corner */
+      assert_true(points->x[c][i] == (points->cell[3 * i + c] + 0.5) * points->spacing[i]);
   }
   assert_true(of_level[0] == 8 && of_level[1] == 28 && of_level[2] == 0 && of_level[3] == 64);
   assert_near(volume, 16.0, 1e-13);

@@ -5,7 +5,14 @@
 
 static const double tolerance = 1e-13; /* of the largest force */
 
+static int in_a_patch(const int32_t cell[3])
+{
+  return cell[0] % 9 > 2 && cell[1] % 5 > 1;
+}
+
 static const body_how shapes[] = {
+    {.dimension = SDR_PLANE_STRESS, .cells = {12, 11}, .refined = in_a_patch},
+    {.dimension = SDR_3D, .cells = {9, 4, 3}, .ratio = 2.01, .refined = in_a_patch},
     {.dimension = SDR_1D, .cells = {90}},
     {.dimension = SDR_PLANE_STRESS, .cells = {37, 9}},
     {.dimension = SDR_PLANE_STRAIN,
