@@ -1,11 +1,12 @@
 /* The state is a list of blocks of bytes, made by one function for writing and for reading: names
    and sizes come from the run, so that a file which fits is one that this run could have written.
-   The checksum (FNV-1a, 64 bits, over all blocks in order) is written last. */
+   A seal over the file (seal.h) tells a damaged one before HDF5 sees it. */
 #include "output/checkpoint.h"
 
 #include "base/memory.h"
 #include "output/hdf.h"
 #include "output/rundir.h"
+#include "output/seal.h"
 #include "output/version.h"
 
 #include <inttypes.h>
@@ -13,6 +14,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { NAME_SIZE = 160 };
 
@@ -104,15 +106,6 @@ static sdr_status make_plan(plan *p, standing *now, sdr_system *system,
   return SDR_OK;
 }
 
-static uint64_t checksum(uint64_t sum, const void *data, size_t bytes)
-{
-  const unsigned char *byte = data;
-  for (size_t k = 0; k < bytes; ++k) sum = (sum ^ byte[k]) * UINT64_C(0x100000001b3);
-  return sum;
-}
-
-static const uint64_t checksum_start = UINT64_C(0xcbf29ce484222325);
-
 /* What must agree between a checkpoint and the run that reads it. */
 typedef struct {
   const char *key, *what;
@@ -148,23 +141,16 @@ int sdr_checkpoint_due(const sdr_moment *moment)
 
 static sdr_status write_file(sdr_hdf *file, const plan *p, const item items[ITEMS])
 {
-  uint64_t sum = checksum_start;
   size_t bytes = 65536;
   for (int k = 0; k < p->count; ++k) bytes += p->blocks[k].bytes + 1024;
   SDR_TRY(sdr_hdf_reserve(file, bytes));
-  for (int k = 0; k < ITEMS; ++k) {
-    SDR_TRY(sdr_hdf_write_text(file, items[k].key, items[k].text));
-    sum = checksum(sum, items[k].text, strlen(items[k].text));
-  }
+  for (int k = 0; k < ITEMS; ++k) SDR_TRY(sdr_hdf_write_text(file, items[k].key, items[k].text));
   for (int k = 0; k < p->count; ++k) {
     const block *b = &p->blocks[k];
     const sdr_hdf_shape shape = {SDR_HDF_BYTES, 1, b->bytes, 1};
     SDR_TRY(sdr_hdf_write(file, b->name, shape, b->data, NULL));
-    sum = checksum(sum, b->data, b->bytes);
   }
-  const sdr_hdf_shape single = {SDR_HDF_INT64, 0, 1, 1};
-  const int64_t stored = (int64_t)sum;
-  return sdr_hdf_write(file, "checksum", single, &stored, NULL);
+  return SDR_OK;
 }
 
 sdr_status sdr_checkpoint_write(const char *directory, const sdr_moment *moment,
@@ -189,9 +175,10 @@ sdr_status sdr_checkpoint_write(const char *directory, const sdr_moment *moment,
   identify(items, moment, instruction_set);
 
   sdr_status status = make_plan(&p, &now, moment->system, observers, observer_count);
-  if (status == SDR_OK) status = sdr_hdf_create(temporary, &file);
+  if (status == SDR_OK) status = sdr_hdf_create_sealed(temporary, &file);
   if (status == SDR_OK) status = write_file(file, &p, items);
   if (status == SDR_OK) status = sdr_hdf_close(&file);
+  if (status == SDR_OK) status = sdr_seal_write(temporary);
   if (status == SDR_OK) {
     status = sdr_rundir_settle(temporary, path);
   } else {
@@ -207,8 +194,7 @@ static sdr_status fail_not_whole(const char *path)
   return sdr_fail(SDR_BAD_INPUT, "%s is not a whole checkpoint: it is truncated or damaged", path);
 }
 
-static sdr_status check_items(sdr_hdf *file, const char *path, const item items[ITEMS],
-                              uint64_t *sum)
+static sdr_status check_items(sdr_hdf *file, const char *path, const item items[ITEMS])
 {
   for (int k = 0; k < ITEMS; ++k) {
     char found[64];
@@ -219,7 +205,6 @@ static sdr_status check_items(sdr_hdf *file, const char *path, const item items[
                       "%s does not fit this run: its %s is %s, this run's is %s; only time.end, "
                       "output and threads may differ",
                       path, items[k].what, found, items[k].text);
-    *sum = checksum(*sum, found, strlen(found));
   }
   return SDR_OK;
 }
@@ -253,17 +238,8 @@ static sdr_status check_end(const char *path, const standing *then, const sdr_mo
 static sdr_status read_file(sdr_hdf *file, const char *path, plan *p, const item items[ITEMS],
                             const sdr_moment *moment)
 {
-  const sdr_hdf_shape single = {SDR_HDF_INT64, 0, 1, 1};
-  uint64_t sum = checksum_start;
-  int64_t stored;
-  SDR_TRY(check_items(file, path, items, &sum));
-  if (!sdr_hdf_has(file, "checksum")) return fail_not_whole(path);
-  for (int k = 0; k < p->count; ++k) {
-    SDR_TRY(read_block(file, path, &p->blocks[k]));
-    sum = checksum(sum, p->blocks[k].read, p->blocks[k].bytes);
-  }
-  if (sdr_hdf_read(file, "checksum", single, &stored) != SDR_OK || (uint64_t)stored != sum)
-    return fail_not_whole(path);
+  SDR_TRY(check_items(file, path, items));
+  for (int k = 0; k < p->count; ++k) SDR_TRY(read_block(file, path, &p->blocks[k]));
   return check_end(path, p->blocks[0].read, moment);
 }
 
@@ -291,6 +267,14 @@ static sdr_status tell_observers(const sdr_moment *moment, sdr_observer *const *
   return SDR_OK;
 }
 
+/* HDF5 sees no file that is not as it was written. */
+static sdr_status open_whole(const char *path, sdr_hdf **file)
+{
+  if (access(path, R_OK) == 0 && !sdr_seal_holds(path)) return fail_not_whole(path);
+  const sdr_status status = sdr_hdf_open(path, 0, file);
+  return status == SDR_BAD_INPUT ? fail_not_whole(path) : status;
+}
+
 sdr_status sdr_checkpoint_read(const char *path, sdr_moment *moment, const char *instruction_set,
                                sdr_observer *const *observers, int observer_count)
 {
@@ -299,8 +283,7 @@ sdr_status sdr_checkpoint_read(const char *path, sdr_moment *moment, const char 
   standing now;
   sdr_hdf *file = NULL;
   identify(items, moment, instruction_set);
-  sdr_status status = sdr_hdf_open(path, 0, &file);
-  if (status == SDR_BAD_INPUT) fail_not_whole(path);
+  sdr_status status = open_whole(path, &file);
   if (status == SDR_OK) status = make_plan(&p, &now, moment->system, observers, observer_count);
   if (status == SDR_OK) status = read_file(file, path, &p, items, moment);
   sdr_hdf_discard(&file);

@@ -9,9 +9,10 @@
 int sdr_checkpoint_due(const sdr_moment *moment);
 
 /* Write DIRECTORY/checkpoint.h5: version, scene hash, precision, instruction set, step, time,
-   step size, u, v, f, the model's state blocks, the system's sums and each observer's state, with a
-   checksum over all; beside under a temporary name, fsync, rename, so that an earlier checkpoint
-   lives until the new one is whole. To be called when all observers have looked at the moment. */
+   step size, u, v, f, the model's state blocks, the system's sums and each observer's state, under
+   a seal over the whole file; beside under a temporary name, fsync, rename, so that an earlier
+   checkpoint lives until the new one is whole. To be called when all observers have looked at the
+   moment. */
 sdr_status sdr_checkpoint_write(const char *directory, const sdr_moment *moment,
                                 const char *instruction_set, sdr_observer *const *observers,
                                 int observer_count);

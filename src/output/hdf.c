@@ -1,6 +1,7 @@
 #include "output/hdf.h"
 
 #include "base/memory.h"
+#include "output/seal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -87,14 +88,26 @@ static sdr_status wrap(const char *path, hid_t id, sdr_hdf **out)
   return SDR_OK;
 }
 
-sdr_status sdr_hdf_create(const char *path, sdr_hdf **out)
+static sdr_status create(const char *path, hsize_t before, sdr_hdf **out)
 {
   quieten();
-  const hid_t access = access_list();
-  const hid_t id = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  const hid_t access = access_list(), how = H5Pcreate(H5P_FILE_CREATE);
+  H5Pset_userblock(how, before);
+  const hid_t id = H5Fcreate(path, H5F_ACC_TRUNC, how, access);
+  H5Pclose(how);
   H5Pclose(access);
   if (id < 0) return fail_write(path);
   return wrap(path, id, out);
+}
+
+sdr_status sdr_hdf_create(const char *path, sdr_hdf **out)
+{
+  return create(path, 0, out);
+}
+
+sdr_status sdr_hdf_create_sealed(const char *path, sdr_hdf **out)
+{
+  return create(path, SDR_SEAL_BYTES, out);
 }
 
 sdr_status sdr_hdf_open(const char *path, int writable, sdr_hdf **out)

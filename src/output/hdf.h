@@ -26,6 +26,8 @@ typedef struct {
 
 /* Make `path`, replacing what was there: SDR_IO_ERROR if it cannot be made. */
 sdr_status sdr_hdf_create(const char *path, sdr_hdf **out);
+/* The same with SDR_SEAL_BYTES bytes before all that HDF5 writes (sdr_seal_write fills them). */
+sdr_status sdr_hdf_create_sealed(const char *path, sdr_hdf **out);
 
 /* Open an existing file. Missing or unreadable: SDR_IO_ERROR; not an HDF5 file, or one cut short:
    SDR_BAD_INPUT. A file that another process is writing may be opened to read. */

@@ -1,5 +1,5 @@
-/* Any bytes as a checkpoint: taken over whole, or refused with nothing changed. Inputs grow out of
-   a good checkpoint of the same body. */
+/* Any bytes as a checkpoint: taken over whole, or refused with nothing changed, and HDF5 never sees
+   a file that is not as it was written. Inputs grow out of a good checkpoint of the same body. */
 #include "fuzz.h"
 
 #include "app/build.h"
