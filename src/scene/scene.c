@@ -38,6 +38,7 @@ typedef struct {
   const char *path, *variant;
   int set_count;
   const char *const *sets;
+  const char *text; /* instead of the file's; NULL: read the file */
 } request;
 
 /* ---- names ----------------------------------------------------------------------------------- */
@@ -187,11 +188,10 @@ static void read_sections(sdr_reading *rd)
   static const char *const dimensions[] = {"1d", "plane_stress", "plane_strain", "3d", NULL};
   static const char *const of_equations[] = {"1d", "plane_stress", "plane_strain",
                                              "3d", "2d",           NULL};
-  static const char *const keys[] = {"title",    "dimension", "points",   "horizon",   "family",
-                                     "material", "materials", "damage",   "regions",   "cracks",
-                                     "initial",  "loads",     "supports", "time",      "output",
-                                     "figures",  "variants",  "threads",  "precision", "equation",
-                                     "contact"};
+  static const char *const keys[] = {
+      "title",  "dimension", "points",   "horizon", "family",    "material", "materials",
+      "damage", "regions",   "cracks",   "initial", "loads",     "supports", "time",
+      "output", "figures",   "variants", "threads", "precision", "equation", "contact"};
   int dimension;
   for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
     sdr_read_allow(rd->reader, rd->root, keys[k]);
@@ -221,9 +221,9 @@ static void read_sections(sdr_reading *rd)
   sdr_read_initial(rd);
   sdr_read_loads(rd);
   sdr_read_supports(rd);
+  sdr_check_adapt(rd);
   sdr_read_time(rd);
   sdr_read_contact(rd);
-  sdr_check_adapt(rd);
   sdr_read_output(rd);
   sdr_read_figures(rd);
 }
@@ -285,11 +285,19 @@ static sdr_status parse_file(sdr_store *store, const char *path, const char *fil
 {
   char *text;
   size_t length;
-  *root = NULL;
   SDR_TRY(sdr_yaml_read_file(path, &text, &length));
   const sdr_status status = sdr_yaml_parse(store, text, length, file, root);
   sdr_free(text);
-  if (status != SDR_OK) return status;
+  return status;
+}
+
+static sdr_status parse(sdr_store *store, const request *asked, const char *file, sdr_node **root)
+{
+  *root = NULL;
+  if (asked->text)
+    SDR_TRY(sdr_yaml_parse(store, asked->text, strlen(asked->text), file, root));
+  else
+    SDR_TRY(parse_file(store, asked->path, file, root));
   if (!*root || sdr_node_is_null(*root)) {
     return sdr_fail(SDR_BAD_INPUT,
                     "%s: the file is empty; a scene needs at least dimension, "
@@ -306,7 +314,7 @@ static sdr_status parse_file(sdr_store *store, const char *path, const char *fil
 static sdr_status read_scene(const request *asked, sdr_reader *reader, sdr_scene *scene)
 {
   sdr_node *root, *copy;
-  SDR_TRY(parse_file(scene->store, asked->path, reader->file, &root));
+  SDR_TRY(parse(scene->store, asked, reader->file, &root));
   copy = sdr_node_copy(scene->store, root);
   if (!copy) return SDR_RUN_FAILED;
   check_variants_block(reader, root);
@@ -320,15 +328,14 @@ static sdr_status read_scene(const request *asked, sdr_reader *reader, sdr_scene
   return scene->used_yaml ? SDR_OK : SDR_RUN_FAILED;
 }
 
-sdr_status sdr_scene_load(const char *path, const char *variant, int set_count,
-                          const char *const *sets, sdr_scene **out)
+static sdr_status load(const request *asked, sdr_scene **out)
 {
-  const request asked = {path, variant ? variant : "", set_count, sets};
-  if (strlen(path) >= sizeof(*out)->path) {
+  if (strlen(asked->path) >= sizeof(*out)->path) {
     return sdr_fail(SDR_BAD_INPUT, "the path of the scene is longer than 511 bytes");
   }
-  if (strlen(asked.variant) >= SDR_NAME_MAX) {
-    return sdr_fail(SDR_BAD_INPUT, "%s: the name of the variant is longer than 63 bytes", path);
+  if (strlen(asked->variant) >= SDR_NAME_MAX) {
+    return sdr_fail(SDR_BAD_INPUT, "%s: the name of the variant is longer than 63 bytes",
+                    asked->path);
   }
   sdr_status status = SDR_RUN_FAILED;
   sdr_reader *reader = NULL;
@@ -339,8 +346,8 @@ sdr_status sdr_scene_load(const char *path, const char *variant, int set_count,
   reader = sdr_alloc(1, sizeof *reader);
   if (!reader) goto done;
   reader->store = scene->store;
-  reader->file = sdr_store_copy(scene->store, path, strlen(path));
-  if (reader->file) status = read_scene(&asked, reader, scene);
+  reader->file = sdr_store_copy(scene->store, asked->path, strlen(asked->path));
+  if (reader->file) status = read_scene(asked, reader, scene);
 done:
   sdr_free(reader);
   if (status == SDR_OK) {
@@ -349,6 +356,19 @@ done:
     sdr_scene_destroy(&scene);
   }
   return status;
+}
+
+sdr_status sdr_scene_load(const char *path, const char *variant, int set_count,
+                          const char *const *sets, sdr_scene **out)
+{
+  const request asked = {path, variant ? variant : "", set_count, sets, NULL};
+  return load(&asked, out);
+}
+
+sdr_status sdr_scene_parse(const char *text, const char *name, sdr_scene **out)
+{
+  const request asked = {.path = name, .variant = "", .text = text};
+  return load(&asked, out);
 }
 
 void sdr_scene_destroy(sdr_scene **scene)

@@ -465,6 +465,8 @@ typedef struct sdr_scene {
    The caller destroys *out; it is written only on success. */
 sdr_status sdr_scene_load(const char *path, const char *variant, int set_count,
                           const char *const *sets, sdr_scene **out);
+/* The same of text in memory; `name` stands in messages and names the scene. */
+sdr_status sdr_scene_parse(const char *text, const char *name, sdr_scene **out);
 void sdr_scene_destroy(sdr_scene **scene); /* NULL-safe */
 
 /* "file:line:column" of an origin, in a static thread-local buffer (valid until the 4th next call).

@@ -542,6 +542,26 @@ static void damaged_scenes_are_refused_with_a_place(void **state)
   }
 }
 
+static void text_in_memory_becomes_a_scene_with_its_name_in_messages(void **state)
+{
+  sdr_scene *scene = NULL;
+  (void)state;
+  assert_int_equal(
+      sdr_scene_parse("dimension: 1d\n"
+                      "points: {shape: {box: {from: [0 m], to: [1 m]}}, spacing: 1 cm}\n"
+                      "material: {young: 1 GPa, density: 1000 kg/m^3}\n"
+                      "time: {end: 1 ms}\n",
+                      "rod", &scene),
+      SDR_OK);
+  assert_string_equal(scene->name, "rod");
+  assert_near(scene->points.spacing, 0.01);
+  sdr_scene_destroy(&scene);
+  assert_int_equal(sdr_scene_parse("dimension: 7d\n", "rod", &scene), SDR_BAD_INPUT);
+  assert_non_null(strstr(sdr_error_message(), "rod:1:12: "));
+  assert_int_equal(sdr_scene_parse("", "rod", &scene), SDR_BAD_INPUT);
+  assert_null(scene);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -558,6 +578,7 @@ int main(void)
       cmocka_unit_test(the_used_scene_loads_to_the_same_scene),
       cmocka_unit_test(what_is_not_given_is_listed),
       cmocka_unit_test(the_hash_is_of_what_affects_the_state),
+      cmocka_unit_test(text_in_memory_becomes_a_scene_with_its_name_in_messages),
       cmocka_unit_test(bad_overrides_say_what_is_wrong),
       cmocka_unit_test(an_unknown_variant_lists_the_known_ones),
       cmocka_unit_test(line_ends_and_byte_order_marks_do_not_matter),
