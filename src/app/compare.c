@@ -24,6 +24,11 @@ sdr_status sdr_compare(const char *dir_a, const char *dir_b, const char *png, FI
   sdr_rundata *a = NULL, *b = NULL;
   sdr_status status = sdr_rundata_open(dir_a, &a);
   if (status == SDR_OK) status = sdr_rundata_open(dir_b, &b);
+  if (status == SDR_OK) {
+    const sdr_frames frames = sdr_compare_frames(a, b);
+    if (frames.frame[0] >= 0) status = sdr_rundata_use(a, frames.frame[0]);
+    if (status == SDR_OK && frames.frame[1] >= 0) status = sdr_rundata_use(b, frames.frame[1]);
+  }
   if (status == SDR_OK) status = compare(a, b, png, out);
   sdr_rundata_destroy(&a);
   sdr_rundata_destroy(&b);

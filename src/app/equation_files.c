@@ -72,7 +72,7 @@ static sdr_status write_file(const sdr_equation_run *run, const fields *all, con
   sdr_hdf *file = NULL;
   float *packed = sdr_alloc((size_t)all->widest * (size_t)points->count, sizeof *packed);
   sdr_status status = packed ? sdr_hdf_create(path, &file) : SDR_RUN_FAILED;
-  if (status == SDR_OK) status = sdr_frames_write_points(file, points);
+  if (status == SDR_OK) status = sdr_frames_write_points(file, -1, points);
   for (int k = 0; status == SDR_OK && k < all->count; ++k)
     status =
         sdr_frame_write(file, 0, all->list[k], sdr_field_width(all->list[k], points->components),
@@ -90,6 +90,7 @@ static sdr_status write_file(const sdr_equation_run *run, const fields *all, con
 sdr_status sdr_equation_write_frame(const sdr_equation_run *run)
 {
   static const double start = 0.0;
+  static const int own = 0;
   const sdr_points *points = run->problem->points;
   char path[1024];
   double *error = NULL;
@@ -97,7 +98,8 @@ sdr_status sdr_equation_write_frame(const sdr_equation_run *run)
   snprintf(path, sizeof path, "%s/snapshots.h5", run->directory);
   SDR_TRY(find_error(run, &error));
   choose_fields(run, error, &all);
-  const sdr_xdmf what = {.points = points->count,
+  const sdr_xdmf what = {.points = &points->count,
+                         .own_points = &own,
                          .components = points->components,
                          .frame_count = 1,
                          .times = &start,

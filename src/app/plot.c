@@ -101,13 +101,14 @@ static sdr_status draw_body(const sdr_rundata *run, const sdr_plot_field *field,
   return status;
 }
 
-static sdr_status draw_field(const sdr_rundata *run, const sdr_plot_options *options,
-                             const char *name, const char *png, FILE *out)
+static sdr_status draw_field(sdr_rundata *run, const sdr_plot_options *options, const char *name,
+                             const char *png, FILE *out)
 {
   int frame = 0;
   sdr_plot_field field;
   char subtitle[256], time[64];
   SDR_TRY(choose_frame(run, options->time, &frame));
+  SDR_TRY(sdr_rundata_use(run, frame));
   SDR_TRY(sdr_plot_field_read(run, frame, name, &field));
   sdr_panel_subtitle(run, frame, subtitle, sizeof subtitle);
   const sdr_status status = run->dimension == 1 ? draw_line(run, &field, subtitle, png)
@@ -139,7 +140,7 @@ static sdr_status draw_ledger(const sdr_rundata *run, const char *png, FILE *out
   return SDR_OK;
 }
 
-static sdr_status draw(const sdr_rundata *run, const sdr_plot_options *options, FILE *out)
+static sdr_status draw(sdr_rundata *run, const sdr_plot_options *options, FILE *out)
 {
   char path[PATH_ROOM];
   const int is_equation = sdr_rundata_text(run, "equation") != NULL;

@@ -165,22 +165,44 @@ static sdr_status spread_positions(sdr_rundata *run, const double *rows, hsize_t
   return SDR_OK;
 }
 
-static sdr_status read_points(sdr_rundata *run)
+/* The points of `group`. */
+static sdr_status read_points(sdr_rundata *run, const char *group)
 {
+  char name[64];
   hsize_t rows = 0, columns = 0;
   void *data = NULL;
-  SDR_TRY(
-      read_set(run, "/points/position", H5T_NATIVE_DOUBLE, sizeof(double), &rows, &columns, &data));
+  snprintf(name, sizeof name, "%s/position", group);
+  SDR_TRY(read_set(run, name, H5T_NATIVE_DOUBLE, sizeof(double), &rows, &columns, &data));
   run->point_count = (int32_t)rows;
+  for (int c = 0; c < 3; ++c) {
+    sdr_free(run->position[c]);
+    run->position[c] = NULL;
+  }
+  sdr_free(run->volume);
+  run->volume = NULL;
   const sdr_status status = spread_positions(run, data, columns);
   sdr_free(data);
   if (status != SDR_OK) return status;
   data = NULL;
-  if (H5Lexists(run->snapshots, "/points/volume", H5P_DEFAULT) > 0)
-    SDR_TRY(
-        read_set(run, "/points/volume", H5T_NATIVE_DOUBLE, sizeof(double), &rows, &columns, &data));
+  snprintf(name, sizeof name, "%s/volume", group);
+  if (H5Lexists(run->snapshots, name, H5P_DEFAULT) > 0)
+    SDR_TRY(read_set(run, name, H5T_NATIVE_DOUBLE, sizeof(double), &rows, &columns, &data));
   run->volume = data;
   return SDR_OK;
+}
+
+sdr_status sdr_rundata_use(sdr_rundata *run, int frame)
+{
+  char group[64];
+  const h5_voice voice = hush();
+  snprintf(group, sizeof group, "/frame_%04d/points", frame);
+  const int own = frame >= 0 && H5Lexists(run->snapshots, group, H5P_DEFAULT) > 0;
+  const int wanted = own ? frame : -1;
+  sdr_status status = SDR_OK;
+  if (wanted != run->points_frame) status = read_points(run, own ? group : "/points");
+  if (status == SDR_OK) run->points_frame = wanted;
+  unhush(voice);
+  return status;
 }
 
 /* Frames are numbered from 0; `time` is written last, so a frame without it is not whole. */
@@ -226,7 +248,7 @@ static sdr_status read_snapshots(const char *path, sdr_rundata *run)
                     "%s: not a readable HDF5 file; it may be truncated, or its first frame is not "
                     "written yet",
                     path);
-  SDR_TRY(read_points(run));
+  SDR_TRY(read_points(run, "/points"));
   return read_frames(run);
 }
 
@@ -242,7 +264,8 @@ int sdr_rundata_has(const sdr_rundata *run, int frame, const char *field)
 {
   char name[320];
   if (frame < 0 || frame >= run->frame_count || !*field || strcmp(field, "time") == 0 ||
-      strchr(field, '/') || strcmp(field, ".") == 0 || strlen(field) > 255)
+      strcmp(field, "points") == 0 || strchr(field, '/') || strcmp(field, ".") == 0 ||
+      strlen(field) > 255)
     return 0;
   snprintf(name, sizeof name, "/frame_%04d/%s", frame, field);
   const h5_voice voice = hush();
@@ -256,7 +279,7 @@ static herr_t append_name(hid_t group, const char *name, const H5L_info_t *info,
   (void)group;
   (void)info;
   FILE *list = context;
-  if (strcmp(name, "time") == 0) return 0;
+  if (strcmp(name, "time") == 0 || strcmp(name, "points") == 0) return 0;
   fprintf(list, "%s%s", ftell(list) > 0 ? ", " : "", name);
   return 0;
 }
@@ -347,6 +370,7 @@ sdr_status sdr_rundata_open(const char *directory, sdr_rundata **out)
   sdr_rundata *run = sdr_alloc(1, sizeof *run);
   if (!run) return SDR_RUN_FAILED;
   run->snapshots = -1;
+  run->points_frame = -1;
   run->directory = sdr_strdup(directory);
   const sdr_status status = run->directory ? read_files(run) : SDR_RUN_FAILED;
   if (status != SDR_OK) {

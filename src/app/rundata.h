@@ -27,6 +27,7 @@ typedef struct {
   double *volume;         /* m^3; NULL if the file has none */
   int frame_count;        /* whole frames only; one that is being written does not count */
   double *frame_time;     /* s, rising */
+  int points_frame;       /* the frame whose points these are; -1: those that the run began with */
 } sdr_rundata;
 
 /* Read the directory; the fields of the frames are read when asked for. A missing directory or an
@@ -34,6 +35,10 @@ typedef struct {
    content, is SDR_BAD_INPUT. Owner: the caller. */
 sdr_status sdr_rundata_open(const char *directory, sdr_rundata **out);
 void sdr_rundata_destroy(sdr_rundata **run); /* NULL-safe */
+
+/* Bring point_count, position and volume to those of the frame: points may have split on the way.
+   To be called before fields of the frame are read. */
+sdr_status sdr_rundata_use(sdr_rundata *run, int frame);
 
 /* A value of summary.json by its path ("energy.kinetic"): NULL or NAN where it is missing, null or
    of another type. The text belongs to the run. */

@@ -293,6 +293,8 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .mark = sdr_bond_mark,
                                   .visit_lost = sdr_bond_visit_lost,
                                   .skip_rest = skip_rest,
+                                  .inherit = sdr_bond_inherit,
+                                  .visit_held = sdr_bond_visit_held,
                                   .traits = traits,
                                   .state = state,
                                   .destroy = destroy};

@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 #include "mechanics/lost.h"
+#include "mechanics/refine.h"
 #include "nom/bonds.h"
 #include "nom/points.h"
 
@@ -43,6 +44,15 @@ typedef struct sdr_model sdr_model;
 /* Mark of a pair before the run, from both reference positions: SDR_CUT, SDR_PROTECTED
    (damage/laws.h) or 0; the same for a, b and b, a. */
 typedef int (*sdr_pair_mark)(const void *context, const double a[3], const double b[3]);
+
+/* A mark and what it is called with; mark NULL: no pair has one. */
+typedef struct {
+  sdr_pair_mark mark;
+  const void *context;
+} sdr_pair_mark_of;
+
+/* What is left of the pair of i and j: 1 whole, 0 lost; where halves differ, of the weaker. */
+typedef void (*sdr_held_visitor)(void *context, int32_t i, int32_t j, double intact);
 
 /* Part of the Hessian of the energy: `block` holds (count components)^2 values, row major, over the
    displacement components of `point`[0], then of point[1] and so on. */
@@ -144,6 +154,16 @@ typedef struct {
   /* Visit the pairs of stripe s that hold nothing any more, not even under compression: cut, or
      lost in each half; each once. NULL: the model loses none. */
   void (*visit_lost)(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
+
+  /* Take over, after points have split, what `before` (a model of this kind) has: histories,
+     energies booked. Pairs of points that split are marked as before a run. NULL: points of such a
+     body cannot split. */
+  sdr_status (*inherit)(sdr_model *model, const sdr_model *before, const sdr_point_map *map,
+                        const sdr_pair_mark_of *mark);
+  /* Visit every pair of the points i with at[i] != 0, from each such end: i is the chosen one. NULL
+     if inherit is. */
+  void (*visit_held)(const sdr_model *model, double *const u[3], const uint8_t *at,
+                     sdr_held_visitor visit, void *context);
 
   void (*traits)(const sdr_model *model, sdr_model_traits *out);
 

@@ -50,6 +50,9 @@ typedef struct {
   double *mass; /* kg */
   double time;  /* s */
   int64_t step;
+  /* Of the last change of the step's length: time and step then. */
+  double time_since;
+  int64_t step_since;
   int over;               /* 1: the integrator has come to an end before the run's */
   double velocity_offset; /* s; leapfrog: minus half a step */
 
@@ -67,6 +70,7 @@ typedef struct {
 
   /* Sums since t = 0, of loads and supports. */
   double external_work;      /* J */
+  double refinement;         /* J: by how much the energy grew when points split */
   double viscous;            /* J: what damping of the motion took; most integrators have none */
   double impulse[3];         /* N s */
   double angular_impulse[3]; /* N m s, about the origin, current positions */

@@ -20,9 +20,9 @@ enum { NAME_SIZE = 160 };
 
 /* Where a run stands. Doubles and int64 only: no padding. */
 typedef struct {
-  double time, step_size, velocity_offset, external_work, viscous;
+  double time, step_size, velocity_offset, external_work, viscous, refinement, time_since;
   double impulse[3], angular_impulse[3];
-  int64_t step;
+  int64_t step, step_since;
 } standing;
 
 typedef struct {
@@ -167,6 +167,9 @@ sdr_status sdr_checkpoint_write(const char *directory, const sdr_moment *moment,
                   .velocity_offset = system->velocity_offset,
                   .external_work = system->external_work,
                   .viscous = system->viscous,
+                  .refinement = system->refinement,
+                  .time_since = system->time_since,
+                  .step_since = system->step_since,
                   .step = moment->step};
   memcpy(now.impulse, system->impulse, sizeof now.impulse);
   memcpy(now.angular_impulse, system->angular_impulse, sizeof now.angular_impulse);
@@ -230,6 +233,7 @@ static sdr_status check_end(const char *path, const standing *then, const sdr_mo
 {
   const double end = moment->end * (1.0 + 1e-12);
   if (moment->steps > 0 ? then->step <= moment->steps : then->time <= end) return SDR_OK;
+  if (moment->scene->points.adapt && then->time <= end) return SDR_OK; /* steps get shorter */
   return sdr_fail(SDR_BAD_INPUT,
                   "%s is at t = %g s, past this run's end at t = %g s; give a later time.end", path,
                   then->time, moment->end);
@@ -254,6 +258,9 @@ static void take_over(const plan *p, const standing *now, sdr_moment *moment)
   system->velocity_offset = now->velocity_offset;
   system->external_work = now->external_work;
   system->viscous = now->viscous;
+  system->refinement = now->refinement;
+  system->time_since = now->time_since;
+  system->step_since = now->step_since;
   memcpy(system->impulse, now->impulse, sizeof now->impulse);
   memcpy(system->angular_impulse, now->angular_impulse, sizeof now->angular_impulse);
 }

@@ -14,49 +14,74 @@ static int32_t place_of(const sdr_points *points, int32_t i)
   return points->generated ? points->generated[i] : i;
 }
 
-static sdr_status write_index(sdr_hdf *file, size_t count)
+/* "points/NAME" of the file (frame < 0) or of a frame. */
+static void points_path(char path[SDR_FRAME_PATH], int frame, const char *name)
+{
+  char inner[32];
+  snprintf(inner, sizeof inner, "points/%s", name);
+  if (frame < 0)
+    snprintf(path, SDR_FRAME_PATH, "%s", inner);
+  else
+    sdr_frame_path(path, frame, inner);
+}
+
+static sdr_status write_index(sdr_hdf *file, int frame, size_t count)
 {
   const sdr_hdf_shape shape = {SDR_HDF_INT32, 1, count, 1};
+  char path[SDR_FRAME_PATH];
   int32_t *index = sdr_alloc(count, sizeof *index);
   if (!index) return SDR_RUN_FAILED;
   for (size_t i = 0; i < count; ++i) index[i] = (int32_t)i;
-  const sdr_status status = sdr_hdf_write(file, "points/index", shape, index, NULL);
+  points_path(path, frame, "index");
+  const sdr_status status = sdr_hdf_write(file, path, shape, index, NULL);
   sdr_free(index);
   return status;
 }
 
 /* scratch: 3 count. */
-static sdr_status write_positions(sdr_hdf *file, const sdr_points *points, double *scratch)
+static sdr_status write_positions(sdr_hdf *file, int frame, const sdr_points *points,
+                                  double *scratch)
 {
   const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 2, (size_t)points->count, 3};
+  char path[SDR_FRAME_PATH];
   for (int32_t i = 0; i < points->count; ++i)
     for (int c = 0; c < 3; ++c)
       scratch[3 * (size_t)place_of(points, i) + (size_t)c] =
           c < points->components ? points->x[c][i] : 0.0;
-  return sdr_hdf_write(file, "points/position", shape, scratch, "m");
+  points_path(path, frame, "position");
+  return sdr_hdf_write(file, path, shape, scratch, "m");
 }
 
-static sdr_status write_scalars(sdr_hdf *file, const sdr_points *points, const char *name,
-                                const char *unit, const double *values, double *scratch)
+sdr_status sdr_frames_write_points(sdr_hdf *file, int frame, const sdr_points *points)
 {
+  const struct {
+    const char *name, *unit;
+    const double *values;
+  } scalars[] = {{"volume", "m^3", points->volume},
+                 {"horizon", "m", points->horizon},
+                 {"spacing", "m", points->spacing}};
   const sdr_hdf_shape shape = {SDR_HDF_DOUBLE, 1, (size_t)points->count, 1};
-  for (int32_t i = 0; i < points->count; ++i) scratch[place_of(points, i)] = values[i];
-  return sdr_hdf_write(file, name, shape, scratch, unit);
-}
-
-sdr_status sdr_frames_write_points(sdr_hdf *file, const sdr_points *points)
-{
+  char path[SDR_FRAME_PATH];
   double *scratch = sdr_alloc(3 * (size_t)points->count, sizeof *scratch);
-  sdr_status status = scratch ? write_index(file, (size_t)points->count) : SDR_RUN_FAILED;
-  if (status == SDR_OK) status = write_positions(file, points, scratch);
-  if (status == SDR_OK)
-    status = write_scalars(file, points, "points/volume", "m^3", points->volume, scratch);
-  if (status == SDR_OK)
-    status = write_scalars(file, points, "points/horizon", "m", points->horizon, scratch);
-  if (status == SDR_OK)
-    status = write_scalars(file, points, "points/spacing", "m", points->spacing, scratch);
+  sdr_status status = scratch ? write_index(file, frame, (size_t)points->count) : SDR_RUN_FAILED;
+  if (status == SDR_OK) status = write_positions(file, frame, points, scratch);
+  for (int k = 0; k < 3 && status == SDR_OK; ++k) {
+    for (int32_t i = 0; i < points->count; ++i) scratch[place_of(points, i)] = scalars[k].values[i];
+    points_path(path, frame, scalars[k].name);
+    status = sdr_hdf_write(file, path, shape, scratch, scalars[k].unit);
+  }
   sdr_free(scratch);
   return status;
+}
+
+int32_t sdr_frames_count_points(sdr_hdf *file, int frame, int *own)
+{
+  char path[SDR_FRAME_PATH];
+  sdr_hdf_shape shape;
+  points_path(path, frame, "index");
+  *own = sdr_hdf_has(file, path);
+  if (!*own) points_path(path, -1, "index");
+  return sdr_hdf_shape_of(file, path, &shape) == SDR_OK ? (int32_t)shape.rows : 0;
 }
 
 sdr_status sdr_frame_write(sdr_hdf *file, int frame, const sdr_field_info *field, int width,

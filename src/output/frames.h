@@ -10,8 +10,12 @@
 enum { SDR_FRAME_PATH = 64 };
 void sdr_frame_path(char path[SDR_FRAME_PATH], int frame, const char *dataset);
 
-/* /points/{index,position,volume,horizon,spacing}, in the order of generation. */
-sdr_status sdr_frames_write_points(sdr_hdf *file, const sdr_points *points);
+/* points/{index,position,volume,horizon,spacing} of the file, in the order of generation, or of a
+   frame (>= 0) that has points of its own. */
+sdr_status sdr_frames_write_points(sdr_hdf *file, int frame, const sdr_points *points);
+
+/* How many points a whole frame has, and whether they are its own; 0: there are none. */
+int32_t sdr_frames_count_points(sdr_hdf *file, int frame, int *own);
 
 /* One field of a frame with `width` values a point, component-major in `values`. packed: scratch
    for as many floats. */

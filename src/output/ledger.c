@@ -84,7 +84,8 @@ static void book(account *a, const sdr_balance *balance, const sdr_moment *momen
   b->contact = balance->contact;
   b->external_work = system->external_work;
   b->viscous = system->viscous;
-  b->imbalance = energy + b->viscous - a->energy0 - system->external_work;
+  b->refinement = system->refinement;
+  b->imbalance = energy + b->viscous - a->energy0 - system->external_work - b->refinement;
   b->imbalance_relative = share(b->imbalance, a->largest_energy);
   b->imbalance_largest = fmax(b->imbalance_largest, fabs(b->imbalance_relative));
   b->linear_residual =
@@ -108,8 +109,8 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
   if (l->row_step == moment->step) return SDR_OK; /* a run that ends before its next step */
   const sdr_books *b = &l->now.books;
   const double fixed[FIXED_COLUMNS] = {
-      moment->time, b->kinetic,       b->stored,    b->dissipated, b->viscous,       b->contact,
-      0.0,          b->external_work, b->imbalance, b->max_damage, (double)b->broken};
+      moment->time,  b->kinetic,       b->stored,    b->dissipated, b->viscous,       b->contact,
+      b->refinement, b->external_work, b->imbalance, b->max_damage, (double)b->broken};
   memcpy(l->values, fixed, sizeof fixed);
   SDR_TRY(sdr_columns_values(l->columns, moment->system, l->values + FIXED_COLUMNS));
   if (!l->history) SDR_TRY(sdr_history_file_create(moment->directory, l->header, &l->history));
@@ -148,6 +149,19 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   return !row_there && due(observer, moment, &wants_balance) ? look(observer, moment) : SDR_OK;
 }
 
+/* The points that probes look at may have split; names and their number stay. */
+static sdr_status points_changed(sdr_observer *observer, const sdr_moment *moment,
+                                 const sdr_point_map *map)
+{
+  ledger *l = of(observer);
+  sdr_columns *columns = NULL;
+  (void)map;
+  SDR_TRY(sdr_columns_create(l->scene, moment->system->model->points, &columns));
+  sdr_columns_destroy(&l->columns);
+  l->columns = columns;
+  return SDR_OK;
+}
+
 static void destroy(sdr_observer *observer)
 {
   ledger *l = of(observer);
@@ -164,6 +178,7 @@ static const sdr_observer_ops ops = {.name = "ledger",
                                      .finish = finish,
                                      .state = state,
                                      .resumed = resumed,
+                                     .points_changed = points_changed,
                                      .destroy = destroy};
 
 static char *make_header(const sdr_columns *columns)

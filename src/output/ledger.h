@@ -8,8 +8,8 @@
    contact,refinement,external_work,imbalance,max_damage,broken_bonds, then the columns of probes
    (NAME.field[.x]) and supports (NAME.reaction.x); 17 digits; a row every
    scene->output.history_every steps (0: 200 rows over the run), the first at t = 0, the last at the
-   end. Each row is on the disk when the look is over. refinement is 0: no model has it yet. On
-   resume rows after the checkpoint are cut. Borrows the scene. Owner: the caller. */
+   end. Each row is on the disk when the look is over. On resume rows after the
+   checkpoint are cut. Borrows the scene. Owner: the caller. */
 sdr_status sdr_ledger_create(const sdr_scene *scene, const sdr_points *points, sdr_observer **out);
 
 /* The books of the latest row, for the summary and the progress bar; E = kinetic + stored +
@@ -17,7 +17,8 @@ sdr_status sdr_ledger_create(const sdr_scene *scene, const sdr_points *points, s
 typedef struct {
   /* J; contact: of pieces that touch */
   double kinetic, stored, contact, dissipated, viscous, external_work;
-  double imbalance;          /* J: E + viscous - E(0) - external work */
+  double refinement;         /* J: by how much the energy grew when points split */
+  double imbalance;          /* J: E + viscous - E(0) - external work - refinement */
   double imbalance_relative; /* over the largest E so far; 0 if that is 0 */
   double imbalance_largest;  /* running maximum of |imbalance_relative| */
   /* |momentum - its start - impulse| over the largest sum m|v| so far; likewise about the origin

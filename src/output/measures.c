@@ -239,9 +239,6 @@ static void destroy(sdr_observer *observer)
   sdr_free(m);
 }
 
-static const sdr_observer_ops ops = {
-    .name = "measures", .due = due, .look = look, .state = state, .destroy = destroy};
-
 /* ---- set-up ---------------------------------------------------------------------------------- */
 
 static void place_of(const sdr_points *points, int32_t i, double x[3])
@@ -347,21 +344,54 @@ static sdr_status set_gauge(const sdr_scene *scene, const sdr_points *points, in
   return check_table(scene, points, g);
 }
 
+/* Room for the widest field. */
+static sdr_status make_scratch(measures *m)
+{
+  size_t widest = 0;
+  for (int k = 0; k < m->count; ++k) {
+    const int width = sdr_field_components(m->gauges[k].what->field, m->points->components);
+    if ((size_t)width > widest) widest = (size_t)width;
+  }
+  sdr_free(m->field);
+  m->field = sdr_alloc(widest * (size_t)m->points->count, sizeof *m->field);
+  return m->field ? SDR_OK : SDR_RUN_FAILED;
+}
+
+/* The points of each measure are chosen anew. */
+static sdr_status points_changed(sdr_observer *observer, const sdr_moment *moment,
+                                 const sdr_point_map *map)
+{
+  measures *m = of(observer);
+  (void)map;
+  m->points = moment->system->model->points;
+  for (int k = 0; k < m->count; ++k) {
+    gauge *g = &m->gauges[k];
+    if (g->what->quantity[0]) continue;
+    sdr_free(g->point);
+    g->point = NULL;
+    g->count = 0;
+    SDR_TRY(g->what->at_point ? choose_point(m->points, g)
+                              : choose_places(moment->scene, m->points, g));
+  }
+  return make_scratch(m);
+}
+
+static const sdr_observer_ops ops = {.name = "measures",
+                                     .due = due,
+                                     .look = look,
+                                     .state = state,
+                                     .points_changed = points_changed,
+                                     .destroy = destroy};
+
 static sdr_status make_room(const sdr_scene *scene, measures *m)
 {
   const size_t room = (size_t)scene->output.measure_count;
-  size_t widest = 0;
   m->gauges = sdr_alloc(room, sizeof *m->gauges);
   m->tallies = sdr_alloc(room, sizeof *m->tallies);
   if (!m->gauges || !m->tallies) return SDR_RUN_FAILED;
   m->count = scene->output.measure_count;
-  for (int k = 0; k < m->count; ++k) {
-    m->gauges[k].what = &scene->output.measure[k];
-    const int width = sdr_field_components(m->gauges[k].what->field, m->points->components);
-    if ((size_t)width > widest) widest = (size_t)width;
-  }
-  m->field = sdr_alloc(widest * (size_t)m->points->count, sizeof *m->field);
-  return m->field ? SDR_OK : SDR_RUN_FAILED;
+  for (int k = 0; k < m->count; ++k) m->gauges[k].what = &scene->output.measure[k];
+  return make_scratch(m);
 }
 
 sdr_status sdr_measures_create(const sdr_scene *scene, const sdr_points *points,

@@ -69,6 +69,28 @@ static void state(sdr_observer *observer, sdr_state_block *blocks, int *count)
   *count = 2;
 }
 
+/* Children begin with the damage that their parent began with. */
+static sdr_status points_changed(sdr_observer *observer, const sdr_moment *moment,
+                                 const sdr_point_map *map)
+{
+  onset *o = (onset *)(void *)observer;
+  (void)moment;
+  float *first = sdr_alloc((size_t)map->now, sizeof *first);
+  double *damage = sdr_alloc((size_t)map->now, sizeof *damage);
+  if (!first || !damage) {
+    sdr_free(first);
+    sdr_free(damage);
+    return SDR_RUN_FAILED;
+  }
+  for (int32_t i = 0; i < map->now; ++i) first[i] = o->first[map->parent[i]];
+  sdr_free(o->first);
+  sdr_free(o->damage);
+  o->count = map->now;
+  o->first = first;
+  o->damage = damage;
+  return SDR_OK;
+}
+
 static void destroy(sdr_observer *observer)
 {
   onset *o = (onset *)(void *)observer;
@@ -77,8 +99,12 @@ static void destroy(sdr_observer *observer)
   sdr_free(o);
 }
 
-static const sdr_observer_ops ops = {
-    .name = "onset", .due = due, .look = look, .state = state, .destroy = destroy};
+static const sdr_observer_ops ops = {.name = "onset",
+                                     .due = due,
+                                     .look = look,
+                                     .state = state,
+                                     .points_changed = points_changed,
+                                     .destroy = destroy};
 
 sdr_status sdr_onset_create(const sdr_points *points, double threshold, sdr_observer **out)
 {

@@ -21,6 +21,7 @@ typedef struct {
   sdr_observer head;
   const sdr_scene *scene;
   const sdr_points *points;
+  int own_points; /* 1: they have changed since the file's were written */
   char *directory;
   char path[PATH_MAX];
   int field_count;
@@ -28,7 +29,9 @@ typedef struct {
   int next;           /* the wanted time that comes next: next / snapshots of the end */
   int64_t frame_step; /* step of the latest frame; -1: none */
   int frame_count, room;
-  double *times;  /* of the frames */
+  double *times; /* of the frames */
+  int32_t *counts;
+  int *own;       /* of the frames: points, and whether they are not the file's */
   sdr_hdf *file;  /* NULL until the first frame */
   double *values; /* scratch: the widest field, component-major */
   float *packed;  /* scratch: the same, point after point, in the order of generation */
@@ -84,33 +87,50 @@ static size_t frame_bytes(const snapshots *s)
   size_t values = 0;
   for (int f = 0; f < s->field_count; ++f)
     values += (size_t)sdr_field_width(s->fields[f], s->points->components);
-  return values * (size_t)s->points->count * sizeof(float) + 65536;
+  size_t bytes = values * sizeof(float);
+  if (s->own_points || s->frame_count == 0) bytes += 6 * sizeof(double) + sizeof(int32_t);
+  return bytes * (size_t)s->points->count + 65536;
 }
 
 static sdr_status write_frame(snapshots *s, const sdr_moment *moment)
 {
   SDR_TRY(sdr_hdf_reserve(s->file, frame_bytes(s)));
-  if (s->frame_count == 0) SDR_TRY(sdr_frames_write_points(s->file, s->points));
+  if (s->frame_count == 0) {
+    SDR_TRY(sdr_frames_write_points(s->file, -1, s->points));
+    s->own_points = 0;
+  }
+  if (s->own_points) SDR_TRY(sdr_frames_write_points(s->file, s->frame_count, s->points));
   for (int f = 0; f < s->field_count; ++f) SDR_TRY(write_field(s, moment->system, s->fields[f]));
   return sdr_frame_finish(s->file, s->frame_count, moment->time);
 }
 
-static sdr_status remember(snapshots *s, double time)
+static sdr_status grow(snapshots *s)
 {
-  if (s->frame_count == s->room) {
-    const int room = 2 * s->room + 16;
-    double *grown = sdr_realloc(s->times, (size_t)room, sizeof *grown);
-    if (!grown) return SDR_RUN_FAILED;
-    s->times = grown;
-    s->room = room;
-  }
-  s->times[s->frame_count++] = time;
+  const size_t room = 2 * (size_t)s->room + 16;
+  double *times = sdr_realloc(s->times, room, sizeof *times);
+  if (times) s->times = times;
+  int32_t *counts = sdr_realloc(s->counts, room, sizeof *counts);
+  if (counts) s->counts = counts;
+  int *own = sdr_realloc(s->own, room, sizeof *own);
+  if (own) s->own = own;
+  if (!times || !counts || !own) return SDR_RUN_FAILED;
+  s->room = (int)room;
+  return SDR_OK;
+}
+
+static sdr_status remember(snapshots *s, double time, int32_t points, int own)
+{
+  if (s->frame_count == s->room) SDR_TRY(grow(s));
+  s->times[s->frame_count] = time;
+  s->counts[s->frame_count] = points;
+  s->own[s->frame_count++] = own;
   return SDR_OK;
 }
 
 static sdr_status write_xdmf(const snapshots *s)
 {
-  const sdr_xdmf what = {.points = s->points->count,
+  const sdr_xdmf what = {.points = s->counts,
+                         .own_points = s->own,
                          .components = s->points->components,
                          .frame_count = s->frame_count,
                          .times = s->times,
@@ -136,7 +156,7 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
     give_up(s);
     return status;
   }
-  SDR_TRY(remember(s, moment->time));
+  SDR_TRY(remember(s, moment->time, s->points->count, s->own_points));
   while (reached(s, moment, s->next)) ++s->next;
   s->frame_step = moment->step;
   return write_xdmf(s);
@@ -151,9 +171,11 @@ static sdr_status finish(sdr_observer *observer, const sdr_moment *moment)
   return sdr_hdf_close(&s->file);
 }
 
+/* Points that have split are other ones than the file began with. */
 static sdr_status check_points(const snapshots *s, sdr_hdf *file)
 {
   sdr_hdf_shape shape;
+  if (s->own_points) return SDR_OK;
   SDR_TRY(sdr_hdf_shape_of(file, "points/index", &shape));
   if (shape.rows == (size_t)s->points->count) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,
@@ -188,7 +210,9 @@ static sdr_status copy_frames(snapshots *s, sdr_hdf *left, sdr_hdf *kept, double
     if (!sdr_hdf_has(left, path) || sdr_hdf_read(left, path, single, &at) != SDR_OK) break;
     sdr_frame_path(path, k, "");
     if (at > time || sdr_hdf_copy(left, kept, path) != SDR_OK) break;
-    SDR_TRY(remember(s, at));
+    int own;
+    const int32_t points = sdr_frames_count_points(left, k, &own);
+    SDR_TRY(remember(s, at, points, own));
   }
   return sdr_hdf_flush(kept);
 }
@@ -241,12 +265,39 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   return due(observer, moment, &unused) ? look(observer, moment) : SDR_OK;
 }
 
+static sdr_status make_room(snapshots *s)
+{
+  int widest = 1;
+  for (int f = 0; f < s->field_count; ++f) {
+    const int width = sdr_field_width(s->fields[f], s->points->components);
+    if (width > widest) widest = width;
+  }
+  const size_t size = (size_t)widest * (size_t)s->points->count;
+  sdr_free(s->values);
+  sdr_free(s->packed);
+  s->values = sdr_alloc(size, sizeof *s->values);
+  s->packed = sdr_alloc(size, sizeof *s->packed);
+  return s->values && s->packed ? SDR_OK : SDR_RUN_FAILED;
+}
+
+static sdr_status points_changed(sdr_observer *observer, const sdr_moment *moment,
+                                 const sdr_point_map *map)
+{
+  snapshots *s = of(observer);
+  (void)map;
+  s->points = moment->system->model->points;
+  s->own_points = 1;
+  return s->scene->output.snapshots > 0 ? make_room(s) : SDR_OK;
+}
+
 static void destroy(sdr_observer *observer)
 {
   snapshots *s = of(observer);
   sdr_hdf_discard(&s->file); /* each frame was flushed */
   sdr_free(s->directory);
   sdr_free(s->times);
+  sdr_free(s->counts);
+  sdr_free(s->own);
   sdr_free(s->values);
   sdr_free(s->packed);
   sdr_free(s);
@@ -257,6 +308,7 @@ static const sdr_observer_ops ops = {.name = "snapshots",
                                      .look = look,
                                      .finish = finish,
                                      .resumed = resumed,
+                                     .points_changed = points_changed,
                                      .destroy = destroy};
 
 static sdr_status choose_fields(snapshots *s)
@@ -271,19 +323,6 @@ static sdr_status choose_fields(snapshots *s)
     if (field) s->fields[s->field_count++] = field;
   }
   return SDR_OK;
-}
-
-static sdr_status make_room(snapshots *s)
-{
-  int widest = 1;
-  for (int f = 0; f < s->field_count; ++f) {
-    const int width = sdr_field_width(s->fields[f], s->points->components);
-    if (width > widest) widest = width;
-  }
-  const size_t size = (size_t)widest * (size_t)s->points->count;
-  s->values = sdr_alloc(size, sizeof *s->values);
-  s->packed = sdr_alloc(size, sizeof *s->packed);
-  return s->values && s->packed ? SDR_OK : SDR_RUN_FAILED;
 }
 
 sdr_status sdr_snapshots_create(const sdr_scene *scene, const char *directory,

@@ -101,6 +101,7 @@ static void put_balance(sdr_record *r, const sdr_summary *s)
   sdr_record_real(&energy, "dissipated", s->books.dissipated);
   sdr_record_real(&energy, "viscous", s->books.viscous);
   sdr_record_real(&energy, "contact", s->books.contact);
+  sdr_record_real(&energy, "refinement", s->books.refinement);
   sdr_record_real(&energy, "external_work", s->books.external_work);
   sdr_record_real(&energy, "imbalance", s->books.imbalance);
   sdr_record_real(&energy, "imbalance_relative", s->books.imbalance_relative);

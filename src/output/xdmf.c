@@ -7,19 +7,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static void write_mesh(FILE *to, const sdr_xdmf *what)
+static void write_mesh(FILE *to, const sdr_xdmf *what, int frame)
 {
+  char group[SDR_FRAME_PATH] = "points";
+  const int count = (int)what->points[frame];
+  if (what->own_points[frame]) sdr_frame_path(group, frame, "points");
   fprintf(to,
           "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%d\" "
           "NodesPerElement=\"1\">\n"
           "          <DataItem NumberType=\"Int\" Precision=\"4\" Dimensions=\"%d\" "
-          "Format=\"HDF\">snapshots.h5:/points/index</DataItem>\n"
+          "Format=\"HDF\">snapshots.h5:/%s/index</DataItem>\n"
           "        </Topology>\n"
           "        <Geometry GeometryType=\"XYZ\">\n"
           "          <DataItem NumberType=\"Float\" Precision=\"8\" Dimensions=\"%d 3\" "
-          "Format=\"HDF\">snapshots.h5:/points/position</DataItem>\n"
+          "Format=\"HDF\">snapshots.h5:/%s/position</DataItem>\n"
           "        </Geometry>\n",
-          (int)what->points, (int)what->points, (int)what->points);
+          count, count, group, count, group);
 }
 
 static void write_field(FILE *to, const sdr_xdmf *what, int frame, const sdr_field_info *field)
@@ -36,7 +39,7 @@ static void write_field(FILE *to, const sdr_xdmf *what, int frame, const sdr_fie
           "          <DataItem NumberType=\"Float\" Precision=\"4\" Dimensions=\"%d%s\" "
           "Format=\"HDF\">snapshots.h5:/%s</DataItem>\n"
           "        </Attribute>\n",
-          field->name, type, (int)what->points, width_text, path);
+          field->name, type, (int)what->points[frame], width_text, path);
 }
 
 static void write_all(FILE *to, const sdr_xdmf *what)
@@ -49,7 +52,7 @@ static void write_all(FILE *to, const sdr_xdmf *what)
     sdr_frame_path(name, k, "");
     fprintf(to, "      <Grid Name=\"%s\" GridType=\"Uniform\">\n        <Time Value=\"%.17g\"/>\n",
             name, what->times[k]);
-    write_mesh(to, what);
+    write_mesh(to, what, k);
     for (int f = 0; f < what->field_count; ++f) write_field(to, what, k, what->fields[f]);
     fputs("      </Grid>\n", to);
   }

@@ -8,10 +8,11 @@
 #include <stdint.h>
 
 typedef struct {
-  int32_t points;
   int components; /* of the body */
   int frame_count;
-  const double *times; /* s, one a frame */
+  const double *times;   /* s, one a frame */
+  const int32_t *points; /* how many each frame has */
+  const int *own_points; /* 1: a frame's are its own, else those of the file */
   int field_count;
   const sdr_field_info *const *fields; /* what each frame holds */
 } sdr_xdmf;

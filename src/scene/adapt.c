@@ -66,6 +66,8 @@ void sdr_check_adapt(sdr_reading *rd)
     why = "jittered points cannot split; leave points.jitter out";
   else if (scene->mixed)
     why = "bodies whose points split are computed in double precision; take precision: double";
+  else if (scene->contact.on)
+    why = "pieces whose points split cannot touch yet; leave contact or points.adapt out";
   else if (has_layers(scene))
     why = "points that layers follow cannot split; take loads and supports without layers";
   else if (scene->damage.law == SDR_LAW_NONE && isinf(adapt->energy))

@@ -18,6 +18,9 @@ typedef struct {
   /* Begin anew from the present state: after a checkpoint was written or read, so that a resumed
      run has the bits of the one that went on. NULL: nothing to do. */
   sdr_status (*restart)(sdr_system *system, double dt);
+  /* Begin anew with steps of length dt from u and v at the system's time, velocity_offset 0: after
+     points have split. NULL: this integrator cannot. */
+  sdr_status (*begin)(sdr_system *system, double dt);
   int is_explicit; /* 1: steps above sdr_stable_step are unstable, every step is accepted */
   int chooses;     /* 1: how many steps a run takes is not known before its end */
   int is_static;   /* 1: nothing moves: no masses, no velocities */

@@ -6,9 +6,9 @@
 
 #include <math.h>
 
-static sdr_status start(sdr_system *system, double dt)
+/* From u and v at the system's time. */
+static sdr_status begin(sdr_system *system, double dt)
 {
-  SDR_TRY(sdr_system_start(system, dt));
   system->velocity_offset = 0.0;
   SDR_TRY(sdr_system_force(system, 0.0, dt, 0.5 * dt));
   for (int a = 0; a < system->components; ++a)
@@ -16,6 +16,12 @@ static sdr_status start(sdr_system *system, double dt)
       system->v[a][i] -= 0.5 * dt * system->f[a][i] / system->mass[i];
   system->velocity_offset = -0.5 * dt;
   return SDR_OK;
+}
+
+static sdr_status start(sdr_system *system, double dt)
+{
+  SDR_TRY(sdr_system_start(system, dt));
+  return begin(system, dt);
 }
 
 typedef struct {
@@ -78,7 +84,7 @@ static sdr_status step(sdr_system *system, double dt)
   move_call call = {.system = system, .kernels = sdr_motion_kernels_best(), .dt = dt};
   sdr_parallel_for(0, system->model->points->stripe_count, 1, move_stripe, &call);
   ++system->step;
-  system->time = (double)system->step * dt;
+  system->time = system->time_since + (double)(system->step - system->step_since) * dt;
   SDR_TRY(report_blow_up(system, &call));
   return sdr_system_force(system, dt, dt, dt);
 }
@@ -93,6 +99,7 @@ const sdr_integrator sdr_leapfrog = {
     .name = "leapfrog",
     .doc = "explicit, second order, conserves momenta exactly; for waves and fracture",
     .start = start,
+    .begin = begin,
     .step = step,
     .restart = restart,
     .is_explicit = 1};

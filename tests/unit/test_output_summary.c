@@ -12,30 +12,42 @@ static sdr_summary make(body *b)
   strcpy(b->scene->time.integrator, "leapfrog");
   b->scene->dimension = SDR_PLANE_STRAIN;
   b->scene->damage.law = SDR_LAW_CRITICAL_STRETCH;
-  return (sdr_summary){
-      .scene = b->scene,
-      .commit = "abc123",
-      .instruction_set = "avx2",
-      .threads = 2,
-      .points = 10,
-      .bonds = 100,
-      .pairs = 50,
-      .runs = 4,
-      .loose = 3,
-      .steps = 1000,
-      .step_size = 1e-7,
-      .time_end = 1e-4,
-      .wall_setup = 0.5,
-      .wall_integrate = 2e-4,
-      .wall_output = 0.25,
-      .wall_total = 3.0,
-      .stable_step = 1.8e-7,
-      .books = {1.0, 2.0, 3.0, 0.25, 6.75, -0.5, -0.05, 0.06, 1e-15, 2e-15, 0.9, 7},
-      .onset_time = 43.6e-6,
-      .damage_max = 0.75,
-      .damage_mean = 0.125,
-      .fragments_known = 1,
-      .fragments = {3, 8, 1}};
+  return (sdr_summary){.scene = b->scene,
+                       .commit = "abc123",
+                       .instruction_set = "avx2",
+                       .threads = 2,
+                       .points = 10,
+                       .bonds = 100,
+                       .pairs = 50,
+                       .runs = 4,
+                       .loose = 3,
+                       .steps = 1000,
+                       .step_size = 1e-7,
+                       .time_end = 1e-4,
+                       .wall_setup = 0.5,
+                       .wall_integrate = 2e-4,
+                       .wall_output = 0.25,
+                       .wall_total = 3.0,
+                       .stable_step = 1.8e-7,
+                       .books = {.kinetic = 1.0,
+                                 .stored = 2.0,
+                                 .dissipated = 3.0,
+                                 .viscous = 0.25,
+                                 .contact = 0.125,
+                                 .refinement = -0.375,
+                                 .external_work = 6.75,
+                                 .imbalance = -0.5,
+                                 .imbalance_relative = -0.05,
+                                 .imbalance_largest = 0.06,
+                                 .linear_residual = 1e-15,
+                                 .angular_residual = 2e-15,
+                                 .max_damage = 0.9,
+                                 .broken = 7},
+                       .onset_time = 43.6e-6,
+                       .damage_max = 0.75,
+                       .damage_mean = 0.125,
+                       .fragments_known = 1,
+                       .fragments = {3, 8, 1}};
 }
 
 static json_t *load(const body *b)
@@ -78,7 +90,8 @@ static void the_keys_are_those_of_the_contract_in_order(void **state)
                       "setup integrate output total");
   assert_string_equal(
       keys_of(json_object_get(root, "energy")),
-      "kinetic stored dissipated viscous external_work imbalance imbalance_relative "
+      "kinetic stored dissipated viscous contact refinement external_work imbalance "
+      "imbalance_relative "
       "imbalance_largest");
   assert_string_equal(keys_of(json_object_get(root, "momentum")), "linear angular");
   assert_string_equal(keys_of(json_object_get(root, "damage")), "onset_time max mean");
@@ -113,6 +126,8 @@ static void values_arrive_with_every_digit(void **state)
   assert_string_equal(text_at(root, "precision"), "double");
   assert_true(real_at(root, "damage", "onset_time") == 43.6e-6);
   assert_true(real_at(root, "energy", "viscous") == 0.25);
+  assert_true(real_at(root, "energy", "contact") == 0.125);
+  assert_true(real_at(root, "energy", "refinement") == -0.375);
   assert_true(real_at(root, "energy", "imbalance_largest") == 0.06);
   assert_true(real_at(root, "momentum", "angular") == 2e-15);
   assert_true(real_at(root, "fragments", "largest") == 8.0);
