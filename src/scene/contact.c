@@ -35,7 +35,7 @@ void sdr_read_contact(sdr_reading *rd)
                    "the range of contact is at most 1 spacing: nearest points of a body are no "
                    "farther apart");
   rd->scene->contact.range = range.value;
-  sdr_read_number(r, map, "penalty", (sdr_quantity){SDR_PLAIN, 0, INFINITY, 1, 0}, "0.15",
+  sdr_read_number(r, map, "penalty", (sdr_quantity){SDR_PLAIN, 0, INFINITY, 1, 0}, "0.1",
                   &rd->scene->contact.penalty);
   sdr_read_done(r, map);
 }

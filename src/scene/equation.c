@@ -12,8 +12,9 @@ static const char *const forms[] = {"collocation", "variational", NULL};
 
 static void refuse_other_sections(sdr_reading *rd)
 {
-  static const char *const keys[] = {"horizon", "family",  "material", "materials", "damage",
-                                     "cracks",  "initial", "loads",    "supports",  "time"};
+  static const char *const keys[] = {"horizon",  "family", "material", "materials",
+                                     "damage",   "cracks", "initial",  "loads",
+                                     "supports", "time",   "contact"};
   for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) {
     const sdr_node *node = sdr_node_find(rd->root, keys[k]);
     if (!node) continue;

@@ -31,6 +31,7 @@ static const char *const quantity_names[] = {"kinetic",
                                              "stored",
                                              "dissipated",
                                              "viscous",
+                                             "contact",
                                              "external_work",
                                              "imbalance",
                                              "imbalance_relative",
@@ -40,7 +41,7 @@ static const char *const quantity_names[] = {"kinetic",
                                              "broken_bonds",
                                              "reaction",
                                              NULL};
-enum { ENERGY_QUANTITIES = 6, REACTION = 11 }; /* energies come first; most others are numbers */
+enum { ENERGY_QUANTITIES = 7, REACTION = 12 }; /* energies come first; most others are numbers */
 
 static const char *const kinds[] = {"value", "mean",     "min",       "max",
                                     "sum",   "l2_error", "max_error", NULL};

@@ -221,9 +221,9 @@ static void read_sections(sdr_reading *rd)
   sdr_read_initial(rd);
   sdr_read_loads(rd);
   sdr_read_supports(rd);
-  sdr_check_adapt(rd);
   sdr_read_time(rd);
   sdr_read_contact(rd);
+  sdr_check_adapt(rd);
   sdr_read_output(rd);
   sdr_read_figures(rd);
 }
