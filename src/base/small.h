@@ -35,4 +35,35 @@ static inline double sdr_invert3(const double m[9], double inverse[9])
   return det;
 }
 
+/* A symmetric positive definite matrix of n <= 3 rows, row major with 3 to a row, becomes its
+   inverse; 0 if it is not positive, and then it is as it was. */
+static inline int sdr_invert_positive(double *a, int n)
+{
+  double l[9] = {0.0}, inverse[9] = {0.0};
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c <= r; ++c) {
+      double sum = a[3 * r + c];
+      for (int k = 0; k < c; ++k) sum -= l[3 * r + k] * l[3 * c + k];
+      if (c < r)
+        l[3 * r + c] = sum / l[3 * c + c];
+      else if (!(sum > 0.0))
+        return 0;
+      else
+        l[3 * r + r] = sqrt(sum);
+    }
+  for (int c = 0; c < n; ++c) { /* columns of L^-1 */
+    for (int r = c; r < n; ++r) {
+      double sum = r == c ? 1.0 : 0.0;
+      for (int k = c; k < r; ++k) sum -= l[3 * r + k] * inverse[3 * k + c];
+      inverse[3 * r + c] = sum / l[3 * r + r];
+    }
+  }
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < n; ++c) {
+      a[3 * r + c] = 0.0;
+      for (int k = 0; k < n; ++k) a[3 * r + c] += inverse[3 * k + r] * inverse[3 * k + c];
+    }
+  return 1;
+}
+
 #endif

@@ -148,8 +148,8 @@ static void commit_pairs(commit_call *call, int s)
     sdr_bonds_visit_stripe(bonds, points, s, commit_pair, call);
     return;
   }
-  for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
-    sdr_bond_commit_run(&model->body, &bonds->runs[r], call->u);
+  model->precise->run_commit[points->components - 1](&model->body, bonds->stripe_run[s],
+                                                     bonds->stripe_run[s + 1], call->u);
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
       sdr_bonds_visit_loose_point(bonds, i, commit_pair, call);
@@ -171,6 +171,7 @@ static void commit_stripe(void *context, int s)
 static void commit(sdr_model *model, double *const u[3])
 {
   sdr_bond_model *bond = (sdr_bond_model *)model;
+  if (bond->body.law == SDR_LAW_NONE) return;
   commit_call call = {bond, u};
   sdr_parallel_for(0, model->points->stripe_count, 1, commit_stripe, &call);
   force_call booking = {.model = bond, .u = u};
@@ -285,6 +286,9 @@ static const sdr_model_ops ops = {.name = "bond_based",
                                   .visit_hessian = sdr_bond_visit_hessian,
                                   .visit_secant = sdr_bond_visit_secant,
                                   .break_most = sdr_bond_break_most,
+                                  .tangent_keep = sdr_bond_tangent_keep,
+                                  .kept_times = sdr_bond_kept_times,
+                                  .kept_diagonal = sdr_bond_kept_diagonal,
                                   .mean_force = sdr_bond_mean_force,
                                   .mean_keep = sdr_bond_mean_keep,
                                   .mean_times = sdr_bond_mean_times,

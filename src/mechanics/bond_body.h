@@ -81,12 +81,14 @@ typedef struct {
   sdr_run_force run_reference[3][2];
 } sdr_bond_kernels;
 
-/* Those of bodies with histories in double: [law][components - 1][moduli a point]. None commits. */
+/* Those of bodies with histories in double: [law][components - 1][moduli a point]. */
 typedef struct {
   sdr_run_force run_force[SDR_LAW_COUNT][3][2];
   sdr_loose_force loose_force[SDR_LAW_COUNT][3][2];
   sdr_run_energies run_energies[SDR_LAW_COUNT][3][2];
   sdr_run_energies loose_energies[SDR_LAW_COUNT][3][2]; /* of chunks [first, end) */
+  /* Histories of runs [first, end) take u in: laws that soften. */
+  void (*run_commit[3])(const sdr_bond_body *body, int64_t first, int64_t end, double *const u[3]);
 } sdr_precise_kernels;
 
 extern const sdr_bond_kernels sdr_bond_kernels_baseline;

@@ -101,6 +101,8 @@ void sdr_bond_reference_times(sdr_model *model, double *const v[3], double *cons
 sdr_status sdr_bond_tangent_times(sdr_model *model, double *const u[3], double *const v[3],
                                   double *const out[3]);
 sdr_status sdr_bond_tangent_diagonal(sdr_model *model, double *const u[3], double *out);
+void sdr_bond_pair_tangent(const sdr_bond_body *body, const sdr_pair *pair, double *const u[3],
+                           double n[3], double *a, double *b);
 sdr_status sdr_bond_visit_hessian(sdr_model *model, double *const u[3], sdr_hessian_visitor visit,
                                   void *context);
 
@@ -110,8 +112,5 @@ int64_t sdr_bond_break_most(sdr_model *model, double *const u[3], double share);
 
 /* Book the energy of freshly lost bonds of stripe s (critical_stretch). */
 void sdr_bond_book(sdr_bond_model *model, int s, double *const u[3], double *const v[3], double dt);
-
-/* Take the stretches of a run into its histories in double. bond_commit.c */
-void sdr_bond_commit_run(const sdr_bond_body *body, const sdr_bond_run *run, double *const u[3]);
 
 #endif

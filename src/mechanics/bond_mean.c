@@ -10,6 +10,7 @@
 
 struct sdr_mean_kept {
   double *run_g, *run_h, *loose_g, *loose_h;
+  double *at[3];    /* m: of tangent_keep, where the tangent is taken; NULL: never */
   double *block[9]; /* components^2 numbers a point: its diagonal block */
 };
 
@@ -34,6 +35,7 @@ void sdr_mean_kept_destroy(sdr_mean_kept **kept)
   sdr_free(k->loose_g);
   sdr_free(k->loose_h);
   for (int c = 0; c < 9; ++c) sdr_free(k->block[c]);
+  for (int a = 0; a < 3; ++a) sdr_free(k->at[a]);
   sdr_free(k);
   *kept = NULL;
 }
@@ -148,6 +150,56 @@ void sdr_bond_mean_times(sdr_model *model, double *const u0[3], double *const u1
                              .loose_g = kept->loose_g,
                              .loose_h = kept->loose_h}};
   run_call(&call);
+}
+
+/* ---- tangent of a state ---------------------------------------------------------------------- */
+
+static void keep_pair(void *context, const sdr_pair *pair)
+{
+  const sdr_bond_model *model = context;
+  const sdr_mean_kept *kept = model->mean;
+  double n[3], a, b, square = 0.0;
+  sdr_bond_pair_tangent(&model->body, pair, kept->at, n, &a, &b);
+  for (int c = 0; c < model->head.points->components; ++c) {
+    const double y = pair->xi[c] + kept->at[c][pair->j] - kept->at[c][pair->i];
+    square += y * y;
+  }
+  (pair->loose ? kept->loose_g : kept->run_g)[pair->slot] = b;
+  (pair->loose ? kept->loose_h : kept->run_h)[pair->slot] =
+      square > 0.0 ? 0.5 * (a - b) / square : 0.0;
+}
+
+static void keep_stripe(void *context, int s)
+{
+  const sdr_bond_model *model = context;
+  sdr_bonds_visit_stripe(model->bonds, model->head.points, s, keep_pair, context);
+}
+
+sdr_status sdr_bond_tangent_keep(sdr_model *model, double *const u[3])
+{
+  sdr_bond_model *bond = (sdr_bond_model *)model;
+  const sdr_points *points = model->points;
+  const size_t padded = sdr_points_padded(points);
+  SDR_TRY(make_kept(bond));
+  for (int a = 0; a < points->components; ++a) {
+    double **at = &bond->mean->at[a];
+    if (!*at && !(*at = sdr_alloc(padded, sizeof **at))) return SDR_RUN_FAILED;
+    memcpy(*at, u[a], padded * sizeof **at);
+  }
+  sdr_parallel_for(0, points->stripe_count, 1, keep_stripe, bond);
+  return SDR_OK;
+}
+
+void sdr_bond_kept_times(sdr_model *model, double *const v[3], double *const out[3])
+{
+  const sdr_mean_kept *kept = ((const sdr_bond_model *)model)->mean;
+  sdr_bond_mean_times(model, kept->at, kept->at, v, out);
+}
+
+void sdr_bond_kept_diagonal(sdr_model *model, double *out)
+{
+  const sdr_mean_kept *kept = ((const sdr_bond_model *)model)->mean;
+  sdr_bond_mean_diagonal(model, kept->at, kept->at, out);
 }
 
 /* ---- blocks ---------------------------------------------------------------------------------- */

@@ -41,6 +41,12 @@ void sdr_bond_mean_diagonal(sdr_model *model, double *const u0[3], double *const
 sdr_status sdr_bond_visit_mean_tangent(sdr_model *model, double *const u0[3], double *const u1[3],
                                        sdr_hessian_visitor visit, void *context);
 
+/* The exact tangent of a state, kept in the same places: b I + (a - b) n (x) n of a pair is
+   g I + 2 h y (x) y with g = b, h = (a - b)/(2 l^2). */
+sdr_status sdr_bond_tangent_keep(sdr_model *model, double *const u[3]);
+void sdr_bond_kept_times(sdr_model *model, double *const v[3], double *const out[3]);
+void sdr_bond_kept_diagonal(sdr_model *model, double *out);
+
 /* What mean_keep keeps; belongs to a model. */
 typedef struct sdr_mean_kept sdr_mean_kept;
 void sdr_mean_kept_destroy(sdr_mean_kept **kept); /* NULL-safe */

@@ -193,6 +193,43 @@ SDR_INLINE void precise_force_of_runs(const int components, const int law, const
   }
 }
 
+/* History of a block: the largest stretch so far. Few bonds reach a new one, which z > k (2 + k)
+   tells without a root; `slack` is more than rounding. Negative ones are marks. */
+SDR_INLINE void precise_commit(const int components, const sdr_precise_block *b, double *history)
+{
+  const double slack = 1e-12;
+  const sdr_bond_class *class = b->class;
+  const sdr_precise_vector xi = {class->xi[0], class->xi[1], class->xi[2]};
+  const double square = class->inverse_square;
+  double most = 0.0;
+#pragma omp simd reduction(max : most)
+  for (int k = 0; k < b->count; ++k) {
+    const double z = precise_growth(components, xi, precise_motion(components, b, k)) * square;
+    const double over = z * (1.0 + slack) - history[k] * (2.0 + history[k]);
+    most = most > over ? most : over;
+  }
+  if (!(most > 0.0)) return;
+#pragma omp simd
+  for (int k = 0; k < b->count; ++k) {
+    const double z = precise_growth(components, xi, precise_motion(components, b, k)) * square;
+    const double s = z / (1.0 + precise_ratio(z)), before = history[k];
+    const double now = s > before ? s : before;
+    history[k] = before < 0.0 ? before : now;
+  }
+}
+
+SDR_INLINE void precise_commit_of_runs(const int components, const sdr_bond_body *body,
+                                       int64_t first, int64_t end, double *const u[3])
+{
+  for (int64_t r = first; r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    for (int32_t start = 0; start < run->length; start += SDR_PRECISE_BLOCK) {
+      const sdr_precise_block b = precise_block(components, body, run, start, u);
+      precise_commit(components, &b, body->history + run->slot + start);
+    }
+  }
+}
+
 SDR_INLINE void precise_energies(const int components, const int law, const int each,
                                  const int marked, const sdr_bond_body *body,
                                  const sdr_precise_block *b, sdr_stripe_energies *sum)

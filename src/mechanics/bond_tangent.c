@@ -70,12 +70,13 @@ static sdr_pair_answer answer_of_force(const sdr_bond_body *body, const sdr_pair
 }
 
 /* Unit vector from i to j as they are now; returns their distance. */
-static double present_direction(const tangent_call *call, const sdr_pair *pair, double n[3])
+static double present_direction(const sdr_bond_body *body, const sdr_pair *pair, double *const u[3],
+                                double n[3])
 {
-  const int components = call->model->head.points->components;
+  const int components = body->points->components;
   double square = 0.0;
   for (int c = 0; c < components; ++c) {
-    n[c] = pair->xi[c] + call->u[c][pair->j] - call->u[c][pair->i];
+    n[c] = pair->xi[c] + u[c][pair->j] - u[c][pair->i];
     square += n[c] * n[c];
   }
   const double l = sqrt(square);
@@ -84,19 +85,24 @@ static double present_direction(const tangent_call *call, const sdr_pair *pair, 
 }
 
 /* K = A n (x) n + B (I - n (x) n) of a pair: A = dF/dl, B = F/l. Gives l = 0 no stiffness. */
-static void pair_tangent(const tangent_call *call, const sdr_pair *pair, double n[3], double *a,
-                         double *b)
+void sdr_bond_pair_tangent(const sdr_bond_body *body, const sdr_pair *pair, double *const u[3],
+                           double n[3], double *a, double *b)
 {
-  const sdr_bond_body *body = &call->model->body;
-  const double s = sdr_pair_stretch(pair, body->points->components, call->u);
+  const double s = sdr_pair_stretch(pair, body->points->components, u);
   const sdr_pair_answer answer = answer_of_force(body, pair, s);
-  const double l = present_direction(call, pair, n);
+  const double l = present_direction(body, pair, u, n);
   const double ci = pair->weight_ij * sdr_body_stiffness(body, pair->i);
   const double cj = pair->weight_ji * sdr_body_stiffness(body, pair->j);
   *a = *b = 0.0;
   if (l <= 0.0) return;
   *a = (ci * answer.ij.slope + cj * answer.ji.slope) / pair->length;
   *b = (ci * answer.ij.force + cj * answer.ji.force) / l;
+}
+
+static void pair_tangent(const tangent_call *call, const sdr_pair *pair, double n[3], double *a,
+                         double *b)
+{
+  sdr_bond_pair_tangent(&call->model->body, pair, call->u, n, a, b);
 }
 
 static void tangent_of_pair(void *context, const sdr_pair *pair)
@@ -214,7 +220,7 @@ static void secant_of_pair(void *context, const sdr_pair *pair)
   const double left_i = s != 0.0 ? answer.ij.force / s : answer.ij.slope;
   const double left_j = s != 0.0 ? answer.ji.force / s : answer.ji.slope;
   double n[3];
-  const double l = present_direction(&h->call, pair, n);
+  const double l = present_direction(body, pair, h->call.u, n);
   const double a = (pair->weight_ij * sdr_body_stiffness(body, pair->i) * left_i +
                     pair->weight_ji * sdr_body_stiffness(body, pair->j) * left_j) /
                    pair->length;

@@ -127,6 +127,13 @@ typedef struct {
      bonds are lost by this; 0: none is overstretched. NULL: the model breaks in commit only. */
   int64_t (*break_most)(sdr_model *model, double *const u[3], double share);
 
+  /* Keep what products with the tangent at u take, for many of them: kept_times is tangent_times,
+     kept_diagonal is tangent_diagonal at that u. In place of what mean_keep kept. NULL: the model
+     keeps nothing. */
+  sdr_status (*tangent_keep)(sdr_model *model, double *const u[3]);
+  void (*kept_times)(sdr_model *model, double *const v[3], double *const out[3]);
+  void (*kept_diagonal)(sdr_model *model, double *out);
+
   /* Mean force of a step from the committed state u0 to u1 (theory sec. 7): its work along u1 - u0
      is exactly minus what the energy, dissipated included, grows by, and it balances linear and
      angular momentum. Changes nothing in the model. NULL: the model has none. */

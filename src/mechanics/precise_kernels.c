@@ -40,6 +40,16 @@
 
 SDR_LAWS(SDR_PRECISE_LAW)
 
+#define SDR_PRECISE_COMMIT(n)                                                                      \
+  static void commit_##n(const sdr_bond_body *body, int64_t first, int64_t end,                    \
+                         double *const u[3])                                                       \
+  {                                                                                                \
+    precise_commit_of_runs(n, body, first, end, u);                                                \
+  }
+SDR_PRECISE_COMMIT(1)
+SDR_PRECISE_COMMIT(2)
+SDR_PRECISE_COMMIT(3)
+
 #define SDR_PRECISE_ROW(kind, law, code)                                                           \
   [code] = {{kind##_##law##_10, kind##_##law##_11},                                                \
             {kind##_##law##_20, kind##_##law##_21},                                                \
@@ -49,8 +59,9 @@ SDR_LAWS(SDR_PRECISE_LAW)
 #define SDR_PRECISE_ENERGIES_ROW(law, code) SDR_PRECISE_ROW(energies, law, code)
 #define SDR_LOOSE_ENERGIES_ROW(law, code) SDR_PRECISE_ROW(loose_energies, law, code)
 
-const sdr_precise_kernels SDR_JOIN(sdr_precise_kernels_, SDR_ISA) = {
-    .run_force = {SDR_LAWS(SDR_PRECISE_FORCE_ROW)},
-    .loose_force = {SDR_LAWS(SDR_PRECISE_LOOSE_ROW)},
-    .run_energies = {SDR_LAWS(SDR_PRECISE_ENERGIES_ROW)},
-    .loose_energies = {SDR_LAWS(SDR_LOOSE_ENERGIES_ROW)}};
+const sdr_precise_kernels SDR_JOIN(sdr_precise_kernels_,
+                                   SDR_ISA) = {.run_force = {SDR_LAWS(SDR_PRECISE_FORCE_ROW)},
+                                               .loose_force = {SDR_LAWS(SDR_PRECISE_LOOSE_ROW)},
+                                               .run_energies = {SDR_LAWS(SDR_PRECISE_ENERGIES_ROW)},
+                                               .loose_energies = {SDR_LAWS(SDR_LOOSE_ENERGIES_ROW)},
+                                               .run_commit = {commit_1, commit_2, commit_3}};

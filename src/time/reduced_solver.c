@@ -2,16 +2,19 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/small.h"
 #include "linalg/solver.h"
 #include "mechanics/reduction.h"
 #include "mechanics/tangent.h"
+#include "time/kept_tangent.h"
 
 #include <math.h>
 #include <string.h>
 
 /* ITERATIONS: at most, of conjugate gradients. WORN: iterations after which a stale factor is made
-   anew. PIECES: of a product, one task each. */
-enum { MOST_COMPONENTS = 3, ITERATIONS = 500, WORN = 12, PIECES = 32, SMALL = 20000 };
+   anew. FEW: iterations with the points' blocks that cost less than one with a factor. PIECES: of a
+   product, one task each. */
+enum { MOST_COMPONENTS = 3, ITERATIONS = 500, WORN = 12, FEW = 8, PIECES = 32, SMALL = 20000 };
 
 typedef enum { BLOCKS, STALE, DIRECT } method;
 
@@ -26,13 +29,18 @@ struct sdr_reduced_solver {
   sdr_csr shifted;       /* D + it; borrows rows and columns */
   int64_t *diagonal_at;  /* where diagonal entries stand */
   int32_t size;          /* of what follows: free components */
-  int renewed, fresh, indefinite, worn;
+  int renewed, indefinite, worn;
+  int factored;                      /* STALE: 1 if the solver holds a factor that serves */
+  int stiff;                         /* of STALE: 1 once the points' blocks were not enough */
+  double stiffened;                  /* largest entry of D then */
   sdr_solver *solver;                /* DIRECT, STALE */
   int32_t block_count, *block_first; /* groups of components of one point */
   double *block;                     /* their inverses, MOST_COMPONENTS^2 values each */
   double *diagonal;
   double *residual, *direction, *product, *scaled;
-  double *full[2]; /* over all components */
+  double *full[2];        /* over all components */
+  sdr_kept_tangent *kept; /* in place of a matrix, where keeps is 1 */
+  int keeps;
   sdr_reduced_report report;
 };
 
@@ -65,6 +73,7 @@ void sdr_reduced_solver_destroy(sdr_reduced_solver **solver)
   sdr_tangent_destroy(&s->tangent);
   sdr_free(s->full[0]);
   sdr_free(s->full[1]);
+  sdr_kept_tangent_destroy(&s->kept);
   sdr_free(s);
   *solver = NULL;
 }
@@ -98,9 +107,6 @@ sdr_status sdr_reduced_solver_create(sdr_model *model, const char *name, sdr_red
   s->full[0] = sdr_alloc(unknowns, sizeof(double));
   s->full[1] = sdr_alloc(unknowns, sizeof(double));
   if (status == SDR_OK && (!s->full[0] || !s->full[1])) status = SDR_RUN_FAILED;
-  if (status == SDR_OK) status = sdr_tangent_create(model, SDR_TANGENT_EXACT, &s->tangent);
-  if (status == SDR_OK)
-    status = sdr_reduction_create(sdr_tangent_matrix(s->tangent), &s->reduction);
   if (status == SDR_OK)
     *out = s;
   else
@@ -139,16 +145,12 @@ static void find_diagonal(sdr_reduced_solver *s)
       if (a->column[p] == r) s->diagonal_at[r] = p;
 }
 
-/* Room for a matrix of another pattern. */
-static sdr_status take_pattern(sdr_reduced_solver *s)
+/* Room for `rows` free components, and for the factors of a matrix, if there is one. */
+static sdr_status make_room(sdr_reduced_solver *s, int32_t count)
 {
-  const sdr_csr *a = s->matrix;
-  const size_t rows = (size_t)a->rows;
+  const size_t rows = (size_t)count, block = MOST_COMPONENTS * MOST_COMPONENTS;
   drop_vectors(s);
-  s->size = a->rows;
-  s->shifted =
-      (sdr_csr){.rows = a->rows, .columns = a->columns, .row = a->row, .column = a->column};
-  const size_t block = MOST_COMPONENTS * MOST_COMPONENTS;
+  s->size = count;
   int failed = !(s->diagonal_at = sdr_alloc(rows, sizeof *s->diagonal_at));
   failed |= !(s->block_first = sdr_alloc(rows + 1, sizeof *s->block_first));
   failed |= !(s->block = sdr_alloc(rows * block, sizeof(double)));
@@ -157,14 +159,25 @@ static sdr_status take_pattern(sdr_reduced_solver *s)
   failed |= !(s->direction = sdr_alloc(rows, sizeof(double)));
   failed |= !(s->product = sdr_alloc(rows, sizeof(double)));
   failed |= !(s->scaled = sdr_alloc(rows, sizeof(double)));
-  if (s->method != BLOCKS)
-    failed |= !(s->shifted.value = sdr_alloc((size_t)a->row[rows], sizeof(double)));
   if (failed) return SDR_RUN_FAILED;
-  find_diagonal(s);
   find_blocks(s);
+  s->report.unknowns = count;
+  return SDR_OK;
+}
+
+/* The same for a matrix of another pattern. */
+static sdr_status take_pattern(sdr_reduced_solver *s)
+{
+  const sdr_csr *a = s->matrix;
+  SDR_TRY(make_room(s, a->rows));
+  s->shifted =
+      (sdr_csr){.rows = a->rows, .columns = a->columns, .row = a->row, .column = a->column};
+  if (s->method != BLOCKS &&
+      !(s->shifted.value = sdr_alloc((size_t)a->row[a->rows], sizeof(double))))
+    return SDR_RUN_FAILED;
+  find_diagonal(s);
   s->renewed = 1;
-  s->report.unknowns = a->rows;
-  s->report.nonzeros = a->row[rows];
+  s->report.nonzeros = a->row[a->rows];
   return SDR_OK;
 }
 
@@ -183,31 +196,61 @@ static sdr_status check_kind(sdr_reduced_solver *s, const sdr_constraints *const
       s->report.name);
 }
 
+/* No matrix: the model multiplies. */
+static sdr_status keep_tangent(sdr_reduced_solver *s, double *const u[3], int other)
+{
+  if (!s->kept) SDR_TRY(sdr_kept_tangent_create(s->model, &s->kept));
+  if (other || !s->keeps || s->constraints->free != s->size)
+    SDR_TRY(make_room(s, s->constraints->free));
+  s->keeps = 1;
+  return sdr_kept_tangent_take(s->kept, s->constraints, u);
+}
+
+static sdr_status assemble(sdr_reduced_solver *s, double *const u[3], int other)
+{
+  int renewed = 0;
+  if (!s->tangent) SDR_TRY(sdr_tangent_create(s->model, SDR_TANGENT_EXACT, &s->tangent));
+  if (!s->reduction) SDR_TRY(sdr_reduction_create(sdr_tangent_matrix(s->tangent), &s->reduction));
+  SDR_TRY(sdr_tangent_update(s->tangent, NULL, u));
+  SDR_TRY(sdr_reduction_update(s->reduction, s->constraints, &renewed));
+  s->matrix = sdr_reduction_matrix(s->reduction);
+  if (renewed || other || s->keeps || s->matrix->rows != s->size) SDR_TRY(take_pattern(s));
+  s->keeps = 0;
+  return SDR_OK;
+}
+
+/* Where masses outweigh the stiffness a factor is wasted: STALE does without until it is missed. */
+static int uses_blocks(const sdr_reduced_solver *s)
+{
+  return s->method == BLOCKS || (s->method == STALE && !s->stiff);
+}
+
 sdr_status sdr_reduced_solver_tangent(sdr_reduced_solver *solver,
                                       const sdr_constraints *constraints, double *const u[3])
 {
-  int renewed = 0;
   SDR_TRY(check_kind(solver, constraints));
-  SDR_TRY(sdr_tangent_update(solver->tangent, NULL, u));
-  SDR_TRY(sdr_reduction_update(solver->reduction, constraints, &renewed));
   const int other = solver->constraints != constraints;
   solver->constraints = constraints;
-  solver->matrix = sdr_reduction_matrix(solver->reduction);
-  if (renewed || other || solver->matrix->rows != solver->size) SDR_TRY(take_pattern(solver));
-  solver->fresh = 1;
   ++solver->report.tangents;
-  return SDR_OK;
+  if (uses_blocks(solver) && sdr_kept_tangent_fits(solver->model, constraints))
+    return keep_tangent(solver, u, other);
+  return assemble(solver, u, other);
 }
 
 void sdr_reduced_solver_pull(sdr_reduced_solver *solver, const double *z, double *out)
 {
+  if (solver->keeps) {
+    sdr_kept_tangent_pull(solver->kept, z, out);
+    return;
+  }
   sdr_csr_times(sdr_tangent_matrix(solver->tangent), z, solver->full[0]);
   sdr_constraints_project(solver->constraints, solver->full[0], out);
 }
 
 double sdr_reduced_solver_stiffness(const sdr_reduced_solver *solver, int32_t k)
 {
-  return solver->matrix->value[solver->diagonal_at[k]];
+  return solver->keeps ? sdr_kept_tangent_entry(solver->kept, k, k)
+                       : solver->matrix->value[solver->diagonal_at[k]];
 }
 
 typedef struct {
@@ -233,6 +276,10 @@ static void product_of_piece(void *context, int piece)
 /* y = (D + A) x. */
 static void times(const sdr_reduced_solver *s, const double *d, const double *x, double *y)
 {
+  if (s->keeps) {
+    sdr_kept_tangent_times(s->kept, d, x, y);
+    return;
+  }
   product_call call = {s->matrix, d, x, y};
   if (s->size >= SMALL) {
     sdr_parallel_for(0, PIECES, 1, product_of_piece, &call);
@@ -243,53 +290,34 @@ static void times(const sdr_reduced_solver *s, const double *d, const double *x,
 
 /* ---- preconditioner -------------------------------------------------------------------------- */
 
-/* Inverse of a symmetric positive definite matrix of up to three rows, row major with
-   MOST_COMPONENTS to a row; 0 if it is not positive. */
-static int invert(double *a, int n)
+/* Add the stiffness of entries first .. first + n - 1, one point's, to a block. */
+static void add_stiffness(const sdr_reduced_solver *s, int32_t first, int n, double *block)
 {
-  double l[9] = {0.0}, inverse[9] = {0.0};
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c <= r; ++c) {
-      double sum = a[3 * r + c];
-      for (int k = 0; k < c; ++k) sum -= l[3 * r + k] * l[3 * c + k];
-      if (c < r)
-        l[3 * r + c] = sum / l[3 * c + c];
-      else if (!(sum > 0.0))
-        return 0;
-      else
-        l[3 * r + r] = sqrt(sum);
-    }
-  for (int c = 0; c < n; ++c) { /* columns of L^-1 */
-    for (int r = c; r < n; ++r) {
-      double sum = r == c ? 1.0 : 0.0;
-      for (int k = c; k < r; ++k) sum -= l[3 * r + k] * inverse[3 * k + c];
-      inverse[3 * r + c] = sum / l[3 * r + r];
-    }
+  const sdr_csr *a = s->matrix;
+  if (s->keeps) {
+    for (int r = 0; r < n; ++r)
+      for (int c = 0; c < n; ++c)
+        block[3 * r + c] += sdr_kept_tangent_entry(s->kept, first + r, first + c);
+    return;
   }
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c < n; ++c) {
-      a[3 * r + c] = 0.0;
-      for (int k = 0; k < n; ++k) a[3 * r + c] += inverse[3 * k + r] * inverse[3 * k + c];
-    }
-  return 1;
+  for (int r = 0; r < n; ++r) {
+    int64_t p = s->diagonal_at[first + r];
+    while (p > a->row[first + r] && a->column[p - 1] >= first) --p;
+    for (; p < a->row[first + r + 1] && a->column[p] < first + n; ++p)
+      block[3 * r + a->column[p] - first] += a->value[p];
+  }
 }
 
 /* D alone where damage has turned a point's block indefinite. */
 static void make_blocks(sdr_reduced_solver *s)
 {
-  const sdr_csr *a = s->matrix;
   for (int32_t g = 0; g < s->block_count; ++g) {
     double *block = s->block + (size_t)g * (MOST_COMPONENTS * MOST_COMPONENTS);
     const int32_t first = s->block_first[g], n = s->block_first[g + 1] - first;
     memset(block, 0, MOST_COMPONENTS * MOST_COMPONENTS * sizeof *block);
-    for (int32_t r = 0; r < n; ++r) {
-      block[3 * r + r] = s->diagonal[first + r];
-      int64_t p = s->diagonal_at[first + r];
-      while (p > a->row[first + r] && a->column[p - 1] >= first) --p;
-      for (; p < a->row[first + r + 1] && a->column[p] < first + n; ++p)
-        block[3 * r + a->column[p] - first] += a->value[p];
-    }
-    if (invert(block, n)) continue;
+    for (int32_t r = 0; r < n; ++r) block[3 * r + r] = s->diagonal[first + r];
+    add_stiffness(s, first, n, block);
+    if (sdr_invert_positive(block, n)) continue;
     memset(block, 0, MOST_COMPONENTS * MOST_COMPONENTS * sizeof *block);
     for (int32_t r = 0; r < n; ++r) block[3 * r + r] = 1.0 / s->diagonal[first + r];
   }
@@ -297,7 +325,7 @@ static void make_blocks(sdr_reduced_solver *s)
 
 static sdr_status precondition(sdr_reduced_solver *s, const double *r, double *z)
 {
-  if (s->method == STALE && !s->indefinite) return sdr_solver_solve(s->solver, r, z);
+  if (s->factored) return sdr_solver_precondition(s->solver, r, z);
   for (int32_t g = 0; g < s->block_count; ++g) {
     const double *b = s->block + (size_t)g * (MOST_COMPONENTS * MOST_COMPONENTS);
     const int32_t first = s->block_first[g], n = s->block_first[g + 1] - first;
@@ -354,7 +382,8 @@ static sdr_reduced make_factor(sdr_reduced_solver *s)
     if (open_solver(s, usual) != SDR_OK) return SDR_REDUCED_FAILED;
     s->indefinite = 0;
   }
-  if (factor(s) == SDR_OK) return SDR_REDUCED_OK;
+  s->factored = factor(s) == SDR_OK;
+  if (s->factored) return SDR_REDUCED_OK;
   if (usual != SDR_MATRIX_POSITIVE) return SDR_REDUCED_SMALLER_STEP;
   s->indefinite = 1;
   if (s->method == STALE) {
@@ -365,11 +394,20 @@ static sdr_reduced make_factor(sdr_reduced_solver *s)
   return factor(s) == SDR_OK ? SDR_REDUCED_OK : SDR_REDUCED_SMALLER_STEP;
 }
 
+static double largest(const sdr_reduced_solver *s)
+{
+  double most = 0.0;
+  for (int32_t k = 0; k < s->size; ++k) most = fmax(most, s->diagonal[k]);
+  return most;
+}
+
 sdr_reduced sdr_reduced_solver_prepare(sdr_reduced_solver *solver, const double *diagonal)
 {
   memcpy(solver->diagonal, diagonal, (size_t)solver->size * sizeof *diagonal);
   if (solver->method == DIRECT) return make_factor(solver);
-  if (solver->method == BLOCKS) {
+  if (solver->stiff && largest(solver) > 4.0 * solver->stiffened) solver->stiff = 0;
+  if (uses_blocks(solver) || solver->keeps) {
+    solver->factored = 0;
     make_blocks(solver);
     return SDR_REDUCED_OK;
   }
@@ -436,6 +474,10 @@ static sdr_reduced iterate_all(sdr_reduced_solver *s, const sdr_reduced_aim *aim
     size = size_of(s->residual, aim->scale, s->size);
   }
   if (s->report.iterations - before > WORN) s->worn = 1;
+  if (s->method == STALE && !s->stiff && s->report.iterations - before > FEW) {
+    s->stiff = s->worn = 1; /* from the next tangent on */
+    s->stiffened = largest(s);
+  }
   return size <= aim->tolerance ? SDR_REDUCED_OK : SDR_REDUCED_SMALLER_STEP;
 }
 
@@ -444,6 +486,8 @@ sdr_reduced sdr_reduced_solver_solve(sdr_reduced_solver *solver, const sdr_reduc
 {
   ++solver->report.solutions;
   if (solver->method != DIRECT) return iterate_all(solver, aim, r, x);
-  return sdr_solver_solve(solver->solver, r, x) == SDR_OK ? SDR_REDUCED_OK
-                                                          : SDR_REDUCED_SMALLER_STEP;
+  /* without pivots the residual is the judge; elsewhere Newton's iteration will see */
+  const sdr_status status = solver->indefinite ? sdr_solver_solve(solver->solver, r, x)
+                                               : sdr_solver_precondition(solver->solver, r, x);
+  return status == SDR_OK ? SDR_REDUCED_OK : SDR_REDUCED_SMALLER_STEP;
 }

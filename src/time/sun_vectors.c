@@ -1,5 +1,6 @@
 /* The operations on vectors that cost the most, as loops that compilers turn into vector code: the
-   library's own are scalar, and its norms take a call of a function for each entry. */
+   library's own are not optimised on some systems, and its norms take a call of a function for each
+   entry. */
 #include "time/sun_vectors.h"
 
 #include <math.h>
@@ -27,6 +28,35 @@ static void sum_of_two(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector 
   realtype *r = NV_DATA_S(z);
 #pragma omp simd
   for (sunindextype k = 0; k < n; ++k) r[k] = a * p[k] + b * q[k];
+}
+
+static void constant(realtype c, N_Vector z)
+{
+  const sunindextype n = NV_LENGTH_S(z);
+  realtype *r = NV_DATA_S(z);
+#pragma omp simd
+  for (sunindextype k = 0; k < n; ++k) r[k] = c;
+}
+
+static void scaled(realtype c, N_Vector x, N_Vector z)
+{
+  const sunindextype n = NV_LENGTH_S(z);
+  const realtype *p = NV_DATA_S(x);
+  realtype *r = NV_DATA_S(z);
+#pragma omp simd
+  for (sunindextype k = 0; k < n; ++k) r[k] = c * p[k];
+}
+
+static int scale_each(int count, realtype *c, N_Vector *x, N_Vector *z)
+{
+  for (int v = 0; v < count; ++v) scaled(c[v], x[v], z[v]);
+  return 0;
+}
+
+static int sum_each(int count, realtype a, N_Vector *x, realtype b, N_Vector *y, N_Vector *z)
+{
+  for (int v = 0; v < count; ++v) sum_of_two(a, x[v], b, y[v], z[v]);
+  return 0;
 }
 
 /* y += the sum of a few, in blocks that stay in the cache. */
@@ -71,6 +101,10 @@ void sdr_sun_quicken(void *vector)
   v->ops->nvwrmsnorm = norm;
   v->ops->nvwsqrsumlocal = squares;
   v->ops->nvlinearsum = sum_of_two;
+  v->ops->nvconst = constant;
+  v->ops->nvscale = scaled;
+  v->ops->nvscalevectorarray = scale_each;
+  v->ops->nvlinearsumvectorarray = sum_each;
   v->ops->nvlinearcombination = combine;
   v->ops->nvscaleaddmulti = add_multiples;
 }

@@ -163,10 +163,40 @@ static void implicit_motion_solves_with_it(void **state)
     }
 }
 
+/* Where stiffness outweighs D by far the points' blocks do not do: from the next tangent on there
+   is a factor, and it goes again where D is large. */
+static void stale_takes_a_factor_once_blocks_are_not_enough(void **state)
+{
+  (void)state;
+  study s = study_of("bond_based", "none", supports[0], "cvode");
+  const int32_t n = s.implicit->free;
+  double *d = sdr_alloc((size_t)n, sizeof *d), *x[2] = {s.g[0], s.g[1]};
+  const sdr_reduced_aim aim = {d, NULL, 1e-12};
+  sdr_reduced_solver *solver;
+  random_direction(&s);
+  assert_int_equal(sdr_reduced_solver_create(s.run.model, "stale", &solver), SDR_OK);
+  for (int round = 0; round < 3; ++round) {
+    for (int32_t k = 0; k < n; ++k) d[k] = round < 2 ? 1e8 : 1e14;
+    assert_int_equal(sdr_reduced_solver_tangent(solver, &s.implicit->constraints, s.run.system->u),
+                     SDR_OK);
+    assert_int_equal(sdr_reduced_solver_prepare(solver, d), SDR_REDUCED_OK);
+    const int64_t before = sdr_reduced_solver_report(solver).iterations;
+    assert_int_equal(sdr_reduced_solver_solve(solver, &aim, s.p, x[round % 2]), SDR_REDUCED_OK);
+    const sdr_reduced_report report = sdr_reduced_solver_report(solver);
+    assert_int_equal(report.factors, round > 0);
+    assert_true(round == 0 ? report.iterations - before > 8 : report.iterations - before < 5);
+    if (round == 1) assert_true(apart_by(x[1], x[0], n) < 1e-9);
+  }
+  sdr_reduced_solver_destroy(&solver);
+  sdr_free(d);
+  study_free(&s);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(statics_has_the_derivative_of_what_it_balances),
-      cmocka_unit_test(implicit_motion_solves_with_it)};
+      cmocka_unit_test(implicit_motion_solves_with_it),
+      cmocka_unit_test(stale_takes_a_factor_once_blocks_are_not_enough)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
