@@ -10,7 +10,7 @@
 
 /* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
    material, so that they do not depend on how points are stored. */
-static sdr_status young_of_points(const sdr_scene *scene, const sdr_points *points, double *young)
+sdr_status sdr_body_young(const sdr_scene *scene, const sdr_points *points, double *young)
 {
   int32_t *stored = sdr_alloc((size_t)points->count, sizeof *stored); /* by order of generation */
   if (!stored) return SDR_RUN_FAILED;
@@ -148,7 +148,7 @@ static const maker makers[] = {[SDR_BOND_BASED] = make_bond_based,
                                [SDR_ORDINARY] = make_ordinary,
                                [SDR_NONORDINARY] = make_nonordinary};
 
-sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
+sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points, const double *young,
                            sdr_families **families, sdr_model **model)
 {
   sdr_bonds *bonds = NULL;
@@ -160,13 +160,6 @@ sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
     p.strength[m] = material->strength;
     p.poisson[m] = isnan(material->poisson) ? 0.0 : material->poisson; /* a bar has no use for it */
   }
-  double *young = sdr_alloc(sdr_points_padded(points), sizeof *young);
-  sdr_status status = young ? young_of_points(scene, points, young) : SDR_RUN_FAILED;
   p.young = young;
-  if (status == SDR_OK)
-    status = makers[scene->model](&p, bonds, model);
-  else
-    sdr_bonds_destroy(&bonds);
-  sdr_free(young);
-  return status;
+  return makers[scene->model](&p, bonds, model);
 }

@@ -6,9 +6,12 @@
 #include "nom/family.h"
 #include "scene/scene.h"
 
-/* Families and model over arranged points, which they borrow. A horizon that gives no bonds is
-   SDR_BAD_INPUT, with its place in the scene. Owner: the caller, of both. */
-sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points,
+/* Young's modulus of each point, Pa; scatter is drawn here. */
+sdr_status sdr_body_young(const sdr_scene *scene, const sdr_points *points, double *young);
+
+/* Families and model over arranged points, which they borrow, with `young` of each. A horizon that
+   gives no bonds is SDR_BAD_INPUT, with its place in the scene. Owner: the caller, of both. */
+sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points, const double *young,
                            sdr_families **families, sdr_model **model);
 
 #endif

@@ -1,6 +1,7 @@
 #include "app/build.h"
 
 #include "app/body.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "damage/laws.h"
 #include "geometry/cracks.h"
@@ -31,6 +32,13 @@ static int mark_of_pair(const void *context, const double a[3], const double b[3
   if (scene->crack_count > 0 && sdr_cracks_cut(scene, a, b, 1e-9 * scene->points.spacing))
     return SDR_CUT;
   return protects(scene, a) || protects(scene, b) ? SDR_PROTECTED : 0;
+}
+
+sdr_pair_mark_of sdr_built_mark(const sdr_scene *scene)
+{
+  const int protect = scene->damage.law != SDR_LAW_NONE && scene->damage.protect_count > 0;
+  const int any = scene->crack_count > 0 || protect;
+  return (sdr_pair_mark_of){any ? mark_of_pair : NULL, scene};
 }
 
 /* SDR_BAD_INPUT if no point lies in a place. */
@@ -73,15 +81,24 @@ static sdr_status make_points(sdr_built *built)
   return sdr_points_arrange(built->points);
 }
 
-static sdr_status make_model(sdr_built *built)
+sdr_status sdr_built_model(sdr_built *built, const double *young)
 {
-  SDR_TRY(sdr_body_create(built->scene, built->points, &built->families, &built->model));
+  SDR_TRY(sdr_body_create(built->scene, built->points, young, &built->families, &built->model));
   built->model->ops->traits(built->model, &built->traits);
   built->bonds = built->traits.bonds;
   return SDR_OK;
 }
 
-static sdr_status make_system(sdr_built *built)
+static sdr_status make_model(sdr_built *built)
+{
+  double *young = sdr_alloc(sdr_points_padded(built->points), sizeof *young);
+  sdr_status status = young ? sdr_body_young(built->scene, built->points, young) : SDR_RUN_FAILED;
+  if (status == SDR_OK) status = sdr_built_model(built, young);
+  sdr_free(young);
+  return status;
+}
+
+sdr_status sdr_built_system(sdr_built *built)
 {
   const sdr_scene *scene = built->scene;
   double density[256] = {0.0};
@@ -243,7 +260,7 @@ static sdr_status build_parts(sdr_built *built)
   SDR_TRY(make_points(built));
   SDR_TRY(make_model(built));
   SDR_TRY(mark_bonds(built));
-  SDR_TRY(make_system(built));
+  SDR_TRY(sdr_built_system(built));
   for (int k = 0; k < built->scene->initial_count; ++k)
     SDR_TRY(set_initial(built, &built->scene->initial[k]));
   const sdr_time_scene *time = &built->scene->time;

@@ -1,5 +1,6 @@
 #include "app/run.h"
 
+#include "app/adapt.h"
 #include "app/build.h"
 #include "app/constants.h"
 #include "app/directory.h"
@@ -29,13 +30,13 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 7 };
+enum { OBSERVERS = 8 };
 
 typedef struct {
   sdr_built built;
   char directory[SDR_DIRECTORY];
   int lock;
-  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *cracks, *progress;
+  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *cracks, *progress, *adapt;
   sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
   int observer_count;
   sdr_moment moment;
@@ -79,6 +80,9 @@ static sdr_status make_observers(run *r, const sdr_run_options *options)
   add_observer(r, r->snapshots);
   if (!options->quiet) SDR_TRY(sdr_progress_create(r->ledger, &r->progress));
   add_observer(r, r->progress);
+  if (scene->points.adapt) /* the last: what it changes is for the next step */
+    SDR_TRY(sdr_adapt_create(&r->built, &r->moment, r->observers, &r->observer_count, &r->adapt));
+  add_observer(r, r->adapt);
   return SDR_OK;
 }
 
@@ -117,6 +121,7 @@ static sdr_status restart(run *r)
 static sdr_status begin(run *r, const sdr_run_options *options)
 {
   if (!options->resume) return r->built.integrator->start(r->built.system, r->built.step);
+  if (r->adapt) SDR_TRY(sdr_adapt_resume(r->adapt, options->resume));
   SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, r->built.traits.isa, r->observers,
                               r->observer_count));
   r->steps_before = r->moment.step;
@@ -290,6 +295,16 @@ static void print_method(const sdr_method_record *m, FILE *out)
           (long long)m->error_failures, (long long)m->iteration_failures);
 }
 
+/* What an adaptive run did. */
+static void print_adapt(const run *r, const sdr_summary *s, FILE *out)
+{
+  if (!r->adapt) return;
+  const sdr_adapt_record a = sdr_adapt_look(r->adapt);
+  fprintf(out, "points split        %lld times, from %d to %lld points; energy changed by %.2g J",
+          (long long)a.events, (int)a.first_points, (long long)s->points, a.energy);
+  fprintf(out, "; %.3f s, and %.3f s to choose\n", a.seconds, a.looking);
+}
+
 static void print_results(const run *r, const sdr_summary *s, const sdr_ring_counts *ring,
                           FILE *out)
 {
@@ -308,6 +323,7 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
   fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
           s->books.imbalance_relative, s->books.imbalance_largest);
+  print_adapt(r, s, out);
   print_method(&r->built.system->method, out);
   print_time(s, &r->built.system->solve, out);
   sdr_figures_print(s, out);
@@ -421,6 +437,7 @@ static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_opti
   destroy_observer(&r.progress);
   if (status == SDR_OK) status = summarise(&r, out);
   destroy_observer(&r.snapshots);
+  destroy_observer(&r.adapt);
   destroy_observer(&r.cracks);
   destroy_observer(&r.measures);
   destroy_observer(&r.onset);

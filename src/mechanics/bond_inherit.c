@@ -3,9 +3,8 @@
    Pairs cut or protected before the run are known by their place, so they are marked anew where a
    point split.
 
-   A softening pair keeps its damage, not its largest stretch: thresholds grow as the horizon falls,
-   and with the damage the energy stored and dissipated over a surface stays what it was. Where
-   thresholds of both ends differ, so that both damages cannot be kept, neither falls. */
+   A softening pair keeps its largest stretch, which is the opening of a crack over the bond's
+   length whatever the horizon; its damage falls, since thresholds grow as the horizon shrinks. */
 #include "base/memory.h"
 #include "mechanics/bond_internal.h"
 
@@ -84,6 +83,22 @@ static int has_history(const sdr_bond_body *body, const sdr_pair *pair)
   return pair->primary && (flags_of(body, pair) != 0 || stretch_of(body, pair) != 0.0f);
 }
 
+/* Visit the pairs with a history, loose ones by each slot. */
+static void visit_kept(const sdr_bond_body *body, sdr_pair_visitor visit, void *context)
+{
+  const sdr_bonds *bonds = body->bonds;
+  for (int64_t r = 0; r < bonds->run_count; ++r) {
+    const sdr_bond_run *run = &bonds->runs[r];
+    int any = 0;
+    for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot)
+      any |= body->stretch ? body->stretch[slot] != 0.0f : body->flags && body->flags[slot] != 0;
+    if (any) sdr_bonds_visit_run(bonds, run, visit, context);
+  }
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = 0; i < body->points->count; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, visit, context);
+}
+
 static void count_pair(void *context, const sdr_pair *pair)
 {
   handing *h = context;
@@ -103,30 +118,6 @@ static void keep_pair(void *context, const sdr_pair *pair)
 }
 
 /* ---- what becomes of it ---------------------------------------------------------------------- */
-
-/* The stretch with that damage at threshold q; `left` is (1 - d)^2 or what stands for it. */
-static double stretch_at(sdr_law law, double left, double q, double r)
-{
-  const double intact = sqrt(left);
-  if (law == SDR_LAW_VARIATIONAL) return sqrt(q * (1.0 - intact) / intact);
-  if (law == SDR_LAW_AT1) return sqrt(0.5 * q / intact);
-  const double a1 = SDR_COHESIVE_A1, b1 = SDR_COHESIVE_B1, mu = SDR_COHESIVE_MU;
-  const double x = a1 / (left + b1);
-  return q * (x < mu ? x : (SDR_COHESIVE_GAMMA + mu * r) / (left + r));
-}
-
-/* Largest stretch of a pair of children, from their parents'. */
-static double inherited(const handing *h, int32_t parent, int32_t child, double stretch)
-{
-  const sdr_bond_body *was = h->was, *now = h->now;
-  const double q = sdr_body_threshold(was, parent), new_q = sdr_body_threshold(now, child);
-  const double r = sdr_body_decline(was, parent), new_r = sdr_body_decline(now, child);
-  if (q == new_q && r == new_r) return stretch;
-  const sdr_softening soft = sdr_softening_of((int)was->law, stretch, q, r);
-  if (!(soft.left > 0.0)) return stretch * fmax(1.0, sqrt(new_q / q));
-  if (soft.damage <= 0.0) return stretch;
-  return stretch_at(was->law, soft.left, new_q, new_r);
-}
 
 static void set_stretch(const handing *h, const sdr_pair *pair, double stretch)
 {
@@ -187,10 +178,8 @@ static void hand_over(void *context, const sdr_pair *pair)
   if (was->second == 0) return;
   if (!split)
     keep(h, pair, was, swap);
-  else if (sdr_law_softens((int)h->now->law) && was->stretch > 0.0)
-    set_stretch(
-        h, pair,
-        fmax(inherited(h, p, pair->i, was->stretch), inherited(h, q, pair->j, was->stretch)));
+  else if (was->stretch > 0.0)
+    set_stretch(h, pair, was->stretch);
   else if (was->flags != 0 && was->flags < SDR_CUT)
     set_flags(h, pair, swap ? turned(was->flags) : was->flags);
 }
@@ -278,11 +267,11 @@ sdr_status sdr_bond_inherit(sdr_model *model, const sdr_model *before, const sdr
   h.after = sdr_alloc((size_t)map->now, 1);
   sdr_status status = h.before && h.after ? make_room(bond, was) : SDR_RUN_FAILED;
   if (status == SDR_OK) {
-    sdr_bonds_visit(was->bonds, before->points, count_pair, &h);
+    visit_kept(&was->body, count_pair, &h);
     status = make_table(h.pairs.count, &h.pairs);
   }
   if (status == SDR_OK) {
-    sdr_bonds_visit(was->bonds, before->points, keep_pair, &h);
+    visit_kept(&was->body, keep_pair, &h);
     choose_points(&h);
     visit_pairs_at(bond->bonds, model->points, h.after, hand_over, &h);
     mark_runs(&bond->body);

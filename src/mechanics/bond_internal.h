@@ -93,6 +93,8 @@ void sdr_bond_visit_damage(sdr_model *model, double *const u[3],
 sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
                          int64_t *cut_bonds);
 void sdr_bond_visit_lost(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
+sdr_status sdr_bond_split_state(sdr_model *model, double *const u[3], double *energy,
+                                double *damage);
 sdr_status sdr_bond_inherit(sdr_model *model, const sdr_model *before, const sdr_point_map *map,
                             const sdr_pair_mark_of *mark);
 void sdr_bond_visit_held(const sdr_model *model, double *const u[3], const uint8_t *at,

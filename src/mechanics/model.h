@@ -162,6 +162,10 @@ typedef struct {
      lost in each half; each once. NULL: the model loses none. */
   void (*visit_lost)(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
 
+  /* What decides where points split: of each point the stored energy per volume (as
+     SDR_FIELD_ENERGY_DENSITY) and the damage without what was cut at the start. NULL if inherit is.
+   */
+  sdr_status (*split_state)(sdr_model *model, double *const u[3], double *energy, double *damage);
   /* Take over, after points have split, what `before` (a model of this kind) has: histories,
      energies booked. Pairs of points that split are marked as before a run. NULL: points of such a
      body cannot split. */

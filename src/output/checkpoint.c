@@ -261,6 +261,8 @@ static void take_over(const plan *p, const standing *now, sdr_moment *moment)
   system->refinement = now->refinement;
   system->time_since = now->time_since;
   system->step_since = now->step_since;
+  if (moment->scene->points.adapt)
+    moment->steps = sdr_steps_until(moment->end, system, moment->step_size);
   memcpy(system->impulse, now->impulse, sizeof now->impulse);
   memcpy(system->angular_impulse, now->angular_impulse, sizeof now->angular_impulse);
 }

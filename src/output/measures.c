@@ -182,6 +182,7 @@ static double quantity(const sdr_books *books, const char *name)
                {"stored", books->stored},
                {"dissipated", books->dissipated},
                {"viscous", books->viscous},
+               {"refinement", books->refinement},
                {"contact", books->contact},
                {"external_work", books->external_work},
                {"imbalance", books->imbalance},

@@ -7,6 +7,8 @@
 #include "mechanics/system.h"
 #include "scene/scene.h"
 
+#include <math.h>
+
 /* A moment of a run, given to every observer. */
 typedef struct {
   sdr_system *system;
@@ -23,6 +25,14 @@ typedef struct {
 static inline double sdr_moment_slack(const sdr_moment *moment)
 {
   return moment->steps > 0 ? 0.5 * moment->step_size : 1e-12 * moment->time;
+}
+
+/* The number of the first step that is not before `end`, with steps of length dt from the latest
+   change of it. */
+static inline int64_t sdr_steps_until(double end, const sdr_system *system, double dt)
+{
+  const double left = (end - system->time_since) / dt;
+  return system->step_since + (int64_t)ceil(left * (1.0 - 1e-12));
 }
 
 typedef struct sdr_observer sdr_observer;

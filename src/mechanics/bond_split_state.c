@@ -1,0 +1,120 @@
+/* What decides where points of bond-based bodies split: in one pass over the bonds, and only where
+   something has moved. */
+#include "base/memory.h"
+#include "mechanics/bond_internal.h"
+
+#include <math.h>
+
+typedef struct {
+  const sdr_bond_model *model;
+  double *const *u;
+  double *energy, *damage; /* out: sums over the bonds of each point */
+  double *volume;          /* sum of V_j over the family */
+} state_call;
+
+/* What one pair adds to its two points. */
+typedef struct {
+  double energy;             /* J, half of the pair's */
+  double damage_i, damage_j; /* of the directed bonds */
+} share;
+
+static inline double stretch_of(const double *xi, int n, double inverse_square, double *const *u,
+                                int32_t i, int32_t j)
+{
+  double z = 0.0;
+  for (int a = 0; a < n; ++a) {
+    const double eta = u[a][j] - u[a][i];
+    z += (2.0 * xi[a] + eta) * eta;
+  }
+  z *= inverse_square;
+  return z / (1.0 + sqrt(fmax(1.0 + z, 1e-200)));
+}
+
+/* `k` and `flags`: the pair's history, whichever the law has. wi, wj: weights times length. */
+static inline share share_of(const sdr_bond_body *body, int32_t i, int32_t j, double s, double wi,
+                             double wj, float k, sdr_flags flags)
+{
+  const double ci = wi * sdr_body_stiffness(body, i), cj = wj * sdr_body_stiffness(body, j);
+  if (flags & SDR_CUT || k == SDR_STRETCH_CUT) return (share){0.0, 0.0, 0.0};
+  const double half = 0.25 * s * s; /* both halves of a pair add to both points */
+  if (!sdr_law_softens((int)body->law) || k < 0.0f) {
+    const double di = flags & SDR_LOST_I ? 1.0 : 0.0, dj = flags & SDR_LOST_J ? 1.0 : 0.0;
+    return (share){half * ((1.0 - di) * ci + (1.0 - dj) * cj), di, dj};
+  }
+  const double grown = fmax((double)k, s);
+  const sdr_softening at_i = sdr_softening_of((int)body->law, grown, sdr_body_threshold(body, i),
+                                              sdr_body_decline(body, i));
+  const sdr_softening at_j = sdr_softening_of((int)body->law, grown, sdr_body_threshold(body, j),
+                                              sdr_body_decline(body, j));
+  const double left_i = s > 0.0 ? at_i.left : 1.0, left_j = s > 0.0 ? at_j.left : 1.0;
+  return (share){half * (left_i * ci + left_j * cj), at_i.damage, at_j.damage};
+}
+
+static void add_run(const state_call *call, const sdr_bond_run *run)
+{
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+  const double *volume = body->points->volume;
+  const double wi = class->weight_ij * class->length, wj = class->weight_ji * class->length;
+  const int n = body->points->components;
+  for (int32_t k = 0; k < run->length; ++k) {
+    const int32_t i = run->i0 + k, j = run->j0 + k;
+    const int64_t slot = run->slot + k;
+    const double s = stretch_of(class->xi, n, class->inverse_square, call->u, i, j);
+    const share one = share_of(body, i, j, s, wi, wj, body->stretch ? body->stretch[slot] : 0.0f,
+                               body->flags ? body->flags[slot] : 0);
+    call->energy[i] += one.energy;
+    call->energy[j] += one.energy;
+    call->damage[i] += volume[j] * one.damage_i;
+    call->damage[j] += volume[i] * one.damage_j;
+    call->volume[i] += volume[j];
+    call->volume[j] += volume[i];
+  }
+}
+
+static void add_loose(void *context, const sdr_pair *pair)
+{
+  const state_call *call = context;
+  const sdr_bond_body *body = &call->model->body;
+  const int32_t i = pair->i, j = pair->j;
+  const double s = stretch_of(pair->xi, body->points->components,
+                              1.0 / (pair->length * pair->length), call->u, i, j);
+  const share one =
+      share_of(body, i, j, s, pair->weight_ij * pair->length, pair->weight_ji * pair->length,
+               body->loose_stretch ? body->loose_stretch[pair->slot] : 0.0f,
+               body->loose_flags ? body->loose_flags[pair->slot] : 0);
+  call->energy[i] += one.energy;
+  if (!(pair->weight_ij > 0.0)) return;
+  call->damage[i] += body->points->volume[j] * one.damage_i;
+  call->volume[i] += body->points->volume[j];
+}
+
+static void add_stripe(void *context, int s)
+{
+  const state_call *call = context;
+  const sdr_points *points = call->model->head.points;
+  const sdr_bonds *bonds = call->model->bonds;
+  if (!sdr_stripe_rests(call->model, s))
+    for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
+      add_run(call, &bonds->runs[r]);
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, add_loose, context);
+}
+
+sdr_status sdr_bond_split_state(sdr_model *model, double *const u[3], double *energy,
+                                double *damage)
+{
+  const sdr_points *points = model->points;
+  const size_t padded = sdr_points_padded(points);
+  double *sums = sdr_alloc(3 * padded, sizeof *sums);
+  if (!sums) return SDR_RUN_FAILED;
+  state_call call = {(sdr_bond_model *)model, u, sums, sums + padded, sums + 2 * padded};
+  sdr_each_stripe(points, add_stripe, &call);
+  for (int32_t i = 0; i < points->count; ++i) {
+    energy[i] = call.energy[i] / points->volume[i];
+    damage[i] = call.volume[i] > 0.0 ? call.damage[i] / call.volume[i] : 0.0;
+  }
+  sdr_free(sums);
+  return SDR_OK;
+}
