@@ -107,6 +107,8 @@ sdr_status sdr_crack_report_make(const sdr_crack_sites *sites, const sdr_crack_g
   report.figure[SDR_CRACK_ENERGY] = surface.energy;
   if (surface.area > 0.0)
     report.figure[SDR_CRACK_TOUGHNESS_SHARE] = surface.energy / (surface.area * how->toughness);
+  const double along = report.figure[SDR_CRACK_LENGTH] * how->thickness * how->toughness;
+  if (along > 0.0) report.figure[SDR_CRACK_PATH_SHARE] = surface.energy / along; /* NAN is not */
   *out = report;
   return SDR_OK;
 }

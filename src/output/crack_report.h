@@ -19,6 +19,7 @@ typedef struct {
   double count_at;  /* s */
   double rayleigh;  /* m/s */
   double toughness; /* J/m^2 */
+  double thickness; /* m, of a plane body; NAN: it is none */
 } sdr_crack_how;
 
 typedef struct {

@@ -263,21 +263,20 @@ static void choose(tips *t, double plane_cut)
   const sdr_material *material = &scene->material[0];
   const double poisson =
       scene->model == SDR_BOND_BASED ? sdr_bond_poisson(scene->dimension) : material->poisson;
-  double finest = (double)HUGE_VAL;
   for (int32_t i = 0; i < t->points->count; ++i) {
     t->spacing = fmax(t->spacing, t->points->spacing[i]);
     t->horizon = fmax(t->horizon, t->points->horizon[i]);
-    finest = fmin(finest, t->points->spacing[i]);
   }
-  t->how =
-      (sdr_crack_how){.moved = metres(t, cracks->moved),
-                      .window = metres(t, cracks->window),
-                      .shortest = metres(t, cracks->shortest),
-                      .count_at = cracks->count_at,
-                      .rayleigh = sdr_rayleigh_speed(material->young, poisson, material->density),
-                      .toughness = material->toughness};
+  t->how = (sdr_crack_how){
+      .moved = metres(t, cracks->moved),
+      .window = metres(t, cracks->window),
+      .shortest = metres(t, cracks->shortest),
+      .count_at = cracks->count_at,
+      .rayleigh = sdr_rayleigh_speed(material->young, poisson, material->density),
+      .toughness = material->toughness,
+      .thickness = scene->dimension == SDR_3D ? (double)NAN : scene->points.thickness};
   t->threshold = isnan(cracks->threshold) ? plane_cut : cracks->threshold;
-  t->every = isnan(cracks->every) ? finest / t->how.rayleigh : cracks->every;
+  t->every = isnan(cracks->every) ? 2.0 * t->spacing / t->how.rayleigh : cracks->every;
   /* Time orders increments only; massless bodies have no waves. */
   if (strcmp(scene->time.integrator, "static") == 0 || !(material->density > 0.0)) t->every = 0.0;
 }

@@ -5,9 +5,11 @@
 #include <string.h>
 
 const char *const sdr_crack_figure_words[SDR_CRACK_FIGURES + 1] = {
-    "first_time",   "start_time", "mean_speed",  "max_speed", "rayleigh_share",  "angle",
-    "tips",         "branches",   "branch_time", "branch_x",  "branch_y",        "branch_distance",
-    "branch_speed", "length",     "area",        "energy",    "toughness_share", NULL};
+    "first_time",      "start_time", "mean_speed", "max_speed",
+    "rayleigh_share",  "angle",      "tips",       "branches",
+    "branch_time",     "branch_x",   "branch_y",   "branch_distance",
+    "branch_speed",    "length",     "area",       "energy",
+    "toughness_share", "path_share", NULL};
 
 enum { LONGEST_NAME = 40 }; /* a figure's name is longer by its word */
 

@@ -266,6 +266,7 @@ static void make_body(body *b)
   }
   b->scene->dimension = SDR_PLANE_STRESS;
   b->scene->material_count = 1;
+  b->scene->points.thickness = 0.5;
   b->scene->material = &material;
   b->scene->output.cracks = (sdr_cracks_output){.threshold = NAN,
                                                 .every = 2.0,
@@ -334,6 +335,8 @@ static void a_run_ends_with_figures_and_a_file(void **state)
   assert_near(f[SDR_CRACK_AREA], 30.0 * 36.0 / 28.0 / sdr_mean_projection(2, 1.0, 3.015), 1e-5);
   /* The fake model's dissipated density is its damage. */
   assert_near(f[SDR_CRACK_ENERGY], 30.0 * 36.0 / 28.0, 1e-9);
+  assert_near(f[SDR_CRACK_PATH_SHARE], f[SDR_CRACK_ENERGY] / (f[SDR_CRACK_LENGTH] * 0.5 * 3.0),
+              1e-12);
   assert_near(f[SDR_CRACK_TOUGHNESS_SHARE], sdr_mean_projection(2, 1.0, 3.015) / 3.0, 1e-5);
   /* mu = 72 Pa, so that shear waves run at 1 m/s. */
   assert_near(f[SDR_CRACK_RAYLEIGH_SHARE], f[SDR_CRACK_MAX_SPEED] / 0.9325, 1e-3);
