@@ -18,10 +18,9 @@ struct sdr_newton {
   sdr_equilibrium *e;
   int32_t room; /* of the vectors over q */
   double *gradient, *step, *residual, *scaled, *direction, *product, *tried_gradient;
-  double *q;                            /* free components of the state */
-  double *tried;                        /* an unknown: a state */
-  double factor_seconds, solve_seconds; /* of one factor, one solve with it */
-  int64_t solves, iterations;           /* since the last factor; of the last direction */
+  double *q;          /* free components of the state */
+  double *tried;      /* an unknown: a state */
+  int64_t iterations; /* of the last direction */
 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
@@ -83,18 +82,20 @@ static sdr_status renew_factor(sdr_newton *n, const double *u)
 {
   const double from = seconds();
   SDR_TRY(sdr_equilibrium_factor(n->e, u));
-  const double taken = seconds() - from;
-  n->factor_seconds = taken;
-  n->e->implicit->system->solve.factor_seconds += taken;
+  n->e->implicit->system->solve.factor_seconds += seconds() - from;
   n->iterations = 0;
   return SDR_OK;
 }
 
-/* A factor is stale when the products that it costs have taken about a quarter as long as another.
- */
+/* A factor is stale when the products that it costs take about a quarter as long as another: at
+   1.5e10 flops a second of a factor, and 1e9 of solutions and products, which stream through their
+   matrices. Counted, not timed, so that every run takes the same path. */
 static int is_stale(const sdr_newton *n)
 {
-  const double most = n->solve_seconds > 0.0 ? 0.25 * n->factor_seconds / n->solve_seconds : 10.0;
+  const sdr_solver_report report = sdr_solver_report_of(n->e->solver);
+  const double matrix = (double)n->e->matrix->row[n->e->matrix->rows];
+  const double products = (4.0 * report.nonzeros + 2.0 * matrix) / 1e9;
+  const double most = report.flops > 0.0 ? 0.25 * report.flops / 1.5e10 / products : 10.0;
   return (double)n->iterations > fmin(fmax(most, 8.0), 150.0);
 }
 
@@ -112,14 +113,13 @@ static sdr_status iterate(sdr_newton *n, const double *right, double share, doub
   memset(x, 0, (size_t)count * sizeof *x);
   memcpy(n->residual, right, (size_t)count * sizeof *right);
   for (int k = 0; k < MOST_PRODUCTS; ++k) {
-    const double from = seconds(), before = rho;
+    const double before = rho;
     SDR_TRY(sdr_equilibrium_precondition(e, n->residual, n->scaled));
     rho = sdr_equilibrium_dot(e, n->residual, n->scaled);
     for (int32_t q = 0; q < count; ++q)
       n->direction[q] = n->scaled[q] + (k > 0 ? rho / before * n->direction[q] : 0.0);
     sdr_equilibrium_times(e, n->direction, n->product);
     const double curvature = sdr_equilibrium_dot(e, n->direction, n->product);
-    n->solve_seconds = seconds() - from;
     ++n->iterations;
     if (!(curvature > 0.0)) {
       *curved = 1;

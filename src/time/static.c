@@ -20,6 +20,8 @@ static const sdr_static_method *const methods[] = {&sdr_static_newton, &sdr_stat
 /* Of the largest energy so far: more than this is not balanced by an increment that found the
    equilibrium next to the last. */
 static const double most_excess = 1e-3;
+/* ... or of what the increment adds itself, so that these misses add up to no more of the whole. */
+static const double most_share = 5e-3;
 /* Likewise: so much may be set free when an equilibrium ceases to exist and the next one is found.
  */
 static const double most_release = 2e-2;
@@ -194,7 +196,9 @@ static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *re
   *found = NOTHING;
   if (!report->converged) return SDR_OK;
   w->excess = sdr_static_excess(w, NULL);
-  *found = fabs(w->excess) <= most_excess * fmax(w->largest, w->reached) ? NEXT : ELSEWHERE;
+  const double most =
+      fmax(most_excess * fmax(w->largest, w->reached), most_share * fabs(w->reached - w->energy));
+  *found = fabs(w->excess) <= most ? NEXT : ELSEWHERE;
   return SDR_OK;
 }
 
