@@ -17,7 +17,7 @@
 #include "time/integrator.h"
 #include "time/mean_solver.h"
 #include "time/stable_step.h"
-#include "time/sun_parts.h"
+#include "time/sun_run.h"
 #include "time/sun_vectors.h"
 #include "time/tolerances.h"
 
@@ -198,11 +198,14 @@ static int solve(void *context, double *x, const double *b, const double *weight
 
 /* ---- starting -------------------------------------------------------------------------------- */
 
+static sdr_sun_failure failure_of(const work *w)
+{
+  return (sdr_sun_failure){w->failure, &w->complaint};
+}
+
 static sdr_status complain(const work *w)
 {
-  if (w->failure != SDR_OK) return w->failure;
-  return sdr_fail(SDR_RUN_FAILED, "CVODES failed: %s",
-                  w->complaint.text[0] ? w->complaint.text : "out of memory");
+  return sdr_sun_complain("CVODES", failure_of(w));
 }
 
 static sdr_status make_vectors(work *w)
@@ -303,8 +306,9 @@ static sdr_status begin(work *w)
   return SDR_OK;
 }
 
-static sdr_status next_stretch(work *w, int silent)
+static sdr_status next_stretch(void *given, int silent)
 {
+  work *w = given;
   int renumbered;
   SDR_TRY(sdr_motion_begin(w->motion, w->system->how->end, &renumbered));
   SDR_TRY(sdr_motion_jump(w->motion, silent));
@@ -322,12 +326,13 @@ static sdr_status check_masses(const sdr_system *system)
   return SDR_OK;
 }
 
-static sdr_status create(sdr_system *system, double dt, work **out)
+static sdr_status create(sdr_system *system, double dt, const sdr_method_record *before, void **out)
 {
   work *w = sdr_alloc(1, sizeof *w);
   if (!w) return SDR_RUN_FAILED;
   double stable = 0.0;
   w->system = system;
+  w->before = *before;
   w->longest = dt;
   w->held = sdr_supports_count(system->supports) > 0 || system->layers;
   sdr_status status = check_masses(system);
@@ -347,42 +352,33 @@ static sdr_status create(sdr_system *system, double dt, work **out)
   return status;
 }
 
-static sdr_status attach(sdr_system *system, double dt)
+static const char *name_of(const sdr_system *system)
 {
-  work *w = NULL;
-  SDR_TRY(create(system, dt, &w));
-  system->work = w;
-  system->end_work = end_work;
-  system->method.name = system->how->adams ? "adams" : "bdf";
-  return SDR_OK;
+  return system->how->adams ? "adams" : "bdf";
 }
+
+static sdr_motion *motion_of(void *given)
+{
+  return ((work *)given)->motion;
+}
+
+static const sdr_sun_method method = {name_of, create, end_work, next_stretch, motion_of};
 
 static sdr_status start(sdr_system *system, double dt)
 {
-  SDR_TRY(attach(system, dt));
-  SDR_TRY(next_stretch(system->work, 1));
-  return sdr_motion_show(((work *)system->work)->motion);
+  return sdr_sun_start(&method, system, dt);
 }
 
-/* All is made anew, tolerances too, so that a resumed run does the same; only the counts go on. */
 static sdr_status restart(sdr_system *system, double dt)
 {
-  const sdr_method_record before = system->method;
-  if (system->work) end_work(system->work);
-  system->work = NULL;
-  SDR_TRY(attach(system, dt));
-  ((work *)system->work)->before = before;
-  return next_stretch(system->work, 0);
+  return sdr_sun_restart(&method, system, dt);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
 static sdr_status explain(const work *w, int flag)
 {
-  static const struct {
-    int flag;
-    const char *what, *try;
-  } known[] = {
+  static const sdr_sun_reason known[] = {
       {CV_ERR_FAILURE, "no step was short enough for the tolerances",
        "take a larger time.tolerance, or leapfrog where bonds break all the time"},
       {CV_TOO_MUCH_ACC, "the tolerances are below what double precision can hold",
@@ -398,17 +394,8 @@ static sdr_status explain(const work *w, int flag)
       {CV_FIRST_RHSFUNC_ERR, "forces are no numbers at the start",
        "look at the loads and the initial state"},
       {CV_TOO_CLOSE, "the time left is too short for a step", "end the run a little earlier"}};
-  const double t = w->system->time;
-  const long long step = (long long)w->system->step;
-  if (w->failure != SDR_OK)
-    return sdr_fail(w->failure, "cvode stopped at t = %.6g s (step %lld): %s", t, step,
-                    sdr_error_message());
-  for (size_t k = 0; k < sizeof known / sizeof *known; ++k)
-    if (known[k].flag == flag)
-      return sdr_fail(SDR_RUN_FAILED, "cvode stopped at t = %.6g s (step %lld): %s; %s", t, step,
-                      known[k].what, known[k].try);
-  return sdr_fail(SDR_RUN_FAILED, "cvode stopped at t = %.6g s (step %lld): %s", t, step,
-                  w->complaint.text);
+  return sdr_sun_explain(w->system, "cvode", failure_of(w), flag, known,
+                         sizeof known / sizeof *known);
 }
 
 typedef struct {
@@ -456,21 +443,6 @@ static sdr_status find_outside(work *w, double change[SDR_MOTION_RATES])
   return SDR_OK;
 }
 
-static void report(const work *w)
-{
-  sdr_method_record *record = &w->system->method;
-  const char *name = record->name;
-  count(w, record);
-  record->name = name;
-  if (!w->reduced) return;
-  const sdr_reduced_report solver = sdr_reduced_solver_report(w->reduced);
-  record->solver = solver.name;
-  record->unknowns = solver.unknowns;
-  record->tangents = solver.tangents;
-  record->factors = solver.factors;
-  record->linear_iterations = solver.iterations;
-}
-
 static sdr_status step(sdr_system *system, double dt)
 {
   work *w = system->work;
@@ -484,7 +456,9 @@ static sdr_status step(sdr_system *system, double dt)
   SDR_TRY(find_outside(w, change));
   SDR_TRY(
       sdr_motion_accept(w->motion, call.time, values(w->y), values(w->y) + w->size, w->g, change));
-  report(w);
+  sdr_method_record counts;
+  count(w, &counts);
+  sdr_sun_report(system, w->reduced, &counts);
   return sdr_motion_broke(w->motion) ? begin(w) : SDR_OK;
 }
 

@@ -67,11 +67,14 @@ static void end_work(void *given)
 
 /* ---- starting -------------------------------------------------------------------------------- */
 
+static sdr_sun_failure failure_of(const sdr_ida_work *w)
+{
+  return (sdr_sun_failure){w->failure, &w->complaint};
+}
+
 static sdr_status complain(const sdr_ida_work *w)
 {
-  if (w->failure != SDR_OK) return w->failure;
-  return sdr_fail(SDR_RUN_FAILED, "IDA failed: %s",
-                  w->complaint.text[0] ? w->complaint.text : "out of memory");
+  return sdr_sun_complain("IDA", failure_of(w));
 }
 
 static sdr_status number(sdr_ida_work *w)
@@ -242,8 +245,9 @@ static sdr_status begin(sdr_ida_work *w, int renumbered)
   return make_consistent(w);
 }
 
-static sdr_status next_stretch(sdr_ida_work *w, int silent)
+static sdr_status next_stretch(void *given, int silent)
 {
+  sdr_ida_work *w = given;
   int renumbered;
   SDR_TRY(sdr_motion_begin(w->motion, w->system->how->end, &renumbered));
   SDR_TRY(sdr_motion_jump(w->motion, silent));
@@ -268,12 +272,13 @@ static sdr_status find_viscosity(sdr_ida_work *w)
   return status;
 }
 
-static sdr_status create(sdr_system *system, double dt, sdr_ida_work **out)
+static sdr_status create(sdr_system *system, double dt, const sdr_method_record *before, void **out)
 {
   sdr_ida_work *w = sdr_alloc(1, sizeof *w);
   if (!w) return SDR_RUN_FAILED;
   double stable = 0.0;
   w->system = system;
+  w->before = *before;
   w->longest = dt;
   w->full = sdr_alloc((size_t)(system->count * system->components), sizeof(double));
   sdr_status status = w->full ? SDR_OK : SDR_RUN_FAILED;
@@ -295,42 +300,34 @@ static sdr_status create(sdr_system *system, double dt, sdr_ida_work **out)
   return status;
 }
 
-static sdr_status begin_work(sdr_system *system, double dt)
+static const char *name_of(const sdr_system *system)
 {
-  sdr_ida_work *w = NULL;
-  SDR_TRY(create(system, dt, &w));
-  system->work = w;
-  system->end_work = end_work;
-  system->method.name = "ida";
-  return SDR_OK;
+  (void)system;
+  return "ida";
 }
+
+static sdr_motion *motion_of(void *given)
+{
+  return ((sdr_ida_work *)given)->motion;
+}
+
+static const sdr_sun_method method = {name_of, create, end_work, next_stretch, motion_of};
 
 static sdr_status start(sdr_system *system, double dt)
 {
-  SDR_TRY(begin_work(system, dt));
-  SDR_TRY(next_stretch(system->work, 1));
-  return sdr_motion_show(((sdr_ida_work *)system->work)->motion);
+  return sdr_sun_start(&method, system, dt);
 }
 
-/* All is made anew, tolerances too, so that a resumed run does the same; only the counts go on. */
 static sdr_status restart(sdr_system *system, double dt)
 {
-  const sdr_method_record before = system->method;
-  if (system->work) end_work(system->work);
-  system->work = NULL;
-  SDR_TRY(begin_work(system, dt));
-  ((sdr_ida_work *)system->work)->before = before;
-  return next_stretch(system->work, 0);
+  return sdr_sun_restart(&method, system, dt);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
 static sdr_status explain(const sdr_ida_work *w, int flag)
 {
-  static const struct {
-    int flag;
-    const char *what, *try;
-  } known[] = {
+  static const sdr_sun_reason known[] = {
       {IDA_ERR_FAIL, "no step was short enough for the tolerances",
        "take a larger time.tolerance, or some time.viscosity for points without mass"},
       {IDA_TOO_MUCH_ACC, "the tolerances are below what double precision can hold",
@@ -342,17 +339,8 @@ static sdr_status explain(const sdr_ida_work *w, int flag)
        "take another time.solver"},
       {IDA_REP_RES_ERR, "forces are no numbers, however short the step",
        "look at the loads and the initial state"}};
-  const double t = w->system->time;
-  const long long step = (long long)w->system->step;
-  if (w->failure != SDR_OK)
-    return sdr_fail(w->failure, "ida stopped at t = %.6g s (step %lld): %s", t, step,
-                    sdr_error_message());
-  for (size_t k = 0; k < sizeof known / sizeof *known; ++k)
-    if (known[k].flag == flag)
-      return sdr_fail(SDR_RUN_FAILED, "ida stopped at t = %.6g s (step %lld): %s; %s", t, step,
-                      known[k].what, known[k].try);
-  return sdr_fail(SDR_RUN_FAILED, "ida stopped at t = %.6g s (step %lld): %s", t, step,
-                  w->complaint.text);
+  return sdr_sun_explain(w->system, "ida", failure_of(w), flag, known,
+                         sizeof known / sizeof *known);
 }
 
 typedef struct {
@@ -396,22 +384,6 @@ static sdr_status check_residual(sdr_ida_work *w, double t)
                   t, share);
 }
 
-static void report(const sdr_ida_work *w)
-{
-  sdr_method_record *record = &w->system->method;
-  const char *name = record->name;
-  const double residual = record->residual;
-  const sdr_reduced_report solver = sdr_reduced_solver_report(w->reduced);
-  count(w, record);
-  record->name = name;
-  record->residual = residual;
-  record->solver = solver.name;
-  record->unknowns = solver.unknowns;
-  record->tangents = solver.tangents;
-  record->factors = solver.factors;
-  record->linear_iterations = solver.iterations;
-}
-
 /* Simpson's rule for the sums of the step to time t; g and the forces are those at t then. */
 static sdr_status find_sums(sdr_ida_work *w, double t, double sums[SDR_IDA_SUMS])
 {
@@ -444,7 +416,9 @@ static sdr_status step(sdr_system *system, double dt)
   system->viscous += change[SDR_IDA_VISCOUS];
   SDR_TRY(
       sdr_motion_accept(w->motion, call.time, values(w->y), values(w->y) + w->size, w->g, change));
-  report(w);
+  sdr_method_record counts;
+  count(w, &counts);
+  sdr_sun_report(system, w->reduced, &counts);
   return sdr_motion_broke(w->motion) ? begin(w, 0) : SDR_OK;
 }
 

@@ -3,7 +3,7 @@
 #define SDR_TIME_IDA_INTERNAL_H
 
 #include "time/mean_solver.h"
-#include "time/sun_parts.h"
+#include "time/sun_run.h"
 #include "time/tolerances.h"
 
 #include <ida/ida.h>
