@@ -66,6 +66,9 @@ typedef struct {
   /* A point: runs join points with 1 here only, other pairs are loose; NULL: all points. So a
      weight may depend on more than xi at the others. */
   const uint8_t *bulk;
+  /* A point: pairs of two points with 1 here are loose, since their weights depend on more than xi;
+     NULL: none. */
+  const uint8_t *border;
   /* 1: no dual horizon: i interacts with its own H_i only, as without the other half of a bond
      whose ends have different horizons. Momentum is not kept: to show ghost forces. */
   int one_sided;

@@ -80,6 +80,8 @@ double sdr_families_weight(const void *context, int32_t i, int32_t j, const doub
   double n[3];
   const double b = sdr_family_plain_weight(families, family, points->spacing[j], direction(xi, n));
   if (families->axial) return b * pair_correction(families, i, j, n);
+  if (families->cubic && families->border[i] && families->border[j])
+    return b * bulk_correction(families, family, n) * sdr_border_factor(families, i, j, n);
   if (!families->lambda) return b * bulk_correction(families, family, n);
   const double *lambda = families->lambda + SDR_MONOMIALS * (size_t)i;
   return b * (families->scale ? families->scale[i] : 1.0) *
@@ -191,13 +193,23 @@ static sdr_status correct_points(sdr_families *families, const sdr_neighbourhood
   return irregular ? axial_means(families, near) : SDR_OK;
 }
 
+/* 1 if the weights at the border of two spacings are to be found. */
+static int has_border(const sdr_families *families)
+{
+  return families->how.balance && families->count > 1 && families->points->row_count > 0 &&
+         (families->how.correction == SDR_CORRECTION_NONE ||
+          families->how.correction == SDR_CORRECTION_ISO);
+}
+
 static sdr_status correct(sdr_families *families)
 {
   const int surface = families->how.correction == SDR_CORRECTION_SURFACE_ISO;
-  if (!families->points->irregular && !surface && !is_axial(families)) return SDR_OK;
+  const int border = has_border(families);
+  if (!families->points->irregular && !surface && !is_axial(families) && !border) return SDR_OK;
   sdr_neighbourhood near;
   SDR_TRY(sdr_neighbourhood_create(families->points, &near));
-  const sdr_status status = correct_points(families, &near);
+  const sdr_status status =
+      border ? sdr_border_weights(families, &near) : correct_points(families, &near);
   sdr_neighbourhood_destroy(&near);
   return status;
 }
@@ -294,6 +306,8 @@ void sdr_families_destroy(sdr_families **families)
   sdr_free(f->scale);
   sdr_free(f->axial);
   sdr_free(f->bulk);
+  sdr_free(f->border);
+  sdr_free(f->cubic);
   sdr_free(f);
   *families = NULL;
 }

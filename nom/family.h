@@ -22,7 +22,10 @@ typedef struct {
   int partial_volume; /* 1: neighbours that the edge of the horizon cuts count partly */
   sdr_correction correction;
   int state_based; /* moments of corrections: 1: r = b xi^2, 0: r = b |xi| (bond-based) */
-  int printed;     /* 1: the model's constants are the continuum's, which madenci_oterkus heeds */
+  int balance; /* 1: bonds between points near the border of two spacings are reweighted, so that
+                  uniform strain is in equilibrium there (bond-based; nested lattices with
+                  correction none or iso) */
+  int printed; /* 1: the model's constants are the continuum's, which madenci_oterkus heeds */
 } sdr_families_how;
 
 /* Where the moments come from. */
@@ -56,6 +59,9 @@ typedef struct {
                         families; else NULL */
   double *scale;     /* surface_iso: a point; else NULL */
   double *axial;     /* madenci_oterkus: `components` a point; else NULL */
+  uint8_t *border;   /* balance: 1 for points that see, or are seen by, one of another spacing;
+                        weights of bonds between two of them are their own. NULL: no such point */
+  double *cubic;     /* balance: multipliers, SDR_CUBICS or fewer a point (sdr_cubic) */
   uint8_t *bulk;     /* surface corrections of a lattice: 1 where a family is the full stencil, so
                         that weights between two such points depend on xi only; else NULL */
 } sdr_families;

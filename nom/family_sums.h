@@ -37,6 +37,13 @@ double sdr_continuum_moment(const sdr_points *points, const sdr_family *family, 
 sdr_status sdr_own_iso_weights(sdr_families *families, const sdr_neighbourhood *near);
 sdr_status sdr_own_scales(sdr_families *families, const sdr_neighbourhood *near);
 sdr_status sdr_own_axial_factors(sdr_families *families, const sdr_neighbourhood *near);
+/* The border's weights: border and cubic of the families, if points of several spacings are near
+   each other. */
+sdr_status sdr_border_weights(sdr_families *families, const sdr_neighbourhood *near);
+/* Factor of the weights of a bond between two points of the border along n, from i to j. */
+double sdr_border_factor(const sdr_families *families, int32_t i, int32_t j, const double n[3]);
+/* Monomials of order 3 of a unit vector; returns how many. */
+int sdr_cubic(int components, const double n[3], double phi[SDR_CUBICS]);
 /* Factors of the axes that these sums over a full family ask for. */
 void sdr_axial_factors(const sdr_families *families, const sdr_family *family,
                        const double quartic[SDR_MONOMIALS], double factor[3]);

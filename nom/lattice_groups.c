@@ -64,13 +64,15 @@ static void fill_groups(const sdr_points *points, const sdr_bonds_how *how,
     groups->ragged |= in > 0 && in < row->length;
     inside += in;
   }
-  groups->whole = one && inside == points->count;
+  groups->ragged |= how->border != NULL;
+  groups->whole = one && inside == points->count && !how->border;
 }
 
 sdr_status sdr_lattice_groups_create(const sdr_points *points, const sdr_bonds_how *how,
                                      sdr_lattice_groups *out)
 {
   sdr_lattice_groups groups = {
+      .border = how->border,
       .of_row = sdr_alloc((size_t)points->row_count, sizeof *groups.of_row),
       .of_point = sdr_alloc(sdr_points_padded(points), sizeof *groups.of_point)};
   if (!groups.of_row || !groups.of_point) {

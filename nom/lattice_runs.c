@@ -76,7 +76,7 @@ typedef struct {
   sdr_stencil stencil;
   int first_class; /* of the classes of this group */
   int *order;      /* stencil steps of the half that is lexicographically positive, by line */
-  const uint8_t *of_point; /* groups of points, where not all of a row are in one; else NULL */
+  const sdr_lattice_groups *ragged; /* if pairs of a row may have to be loose; else NULL */
   sdr_bonds *bonds;
   int64_t *cursor; /* next free run of each stripe; NULL while counting into stripe_run[s + 1] */
 } run_builder;
@@ -106,15 +106,16 @@ static void add_bulk_runs(const run_builder *build, int class_index, const sdr_r
                           const sdr_row *partner, int32_t from, int32_t to, int32_t shift)
 {
   if (from >= to) return;
-  if (!build->of_point) {
+  if (!build->ragged) {
     add_run(build, class_index, row, partner, from, to - from, shift);
     return;
   }
   const int axis = build->index.points->row_axis;
-  const uint8_t *i = build->of_point + row->first, *j = build->of_point + partner->first;
+  const int32_t i = row->first - row->cell[axis];
+  const int32_t j = partner->first - partner->cell[axis] + shift;
   for (int32_t start = from; start < to;) {
     int32_t end = start;
-    while (end < to && i[end - row->cell[axis]] && j[end + shift - partner->cell[axis]]) ++end;
+    while (end < to && sdr_on_run(build->ragged, i + end, j + end)) ++end;
     if (end > start) add_run(build, class_index, row, partner, start, end - start, shift);
     start = end + 1;
   }
@@ -273,7 +274,7 @@ static sdr_status start_group(all_runs *all, int g)
   const sdr_lattice_group *group = &all->groups->group[g];
   run_builder *build = &all->builders[g];
   build->bonds = all->bonds;
-  build->of_point = all->groups->ragged ? all->groups->of_point : NULL;
+  build->ragged = all->groups->ragged ? all->groups : NULL;
   build->first_class = all->bonds->class_count;
   SDR_TRY(index_rows(all->points, all->groups, g, all->stripe, &build->index));
   SDR_TRY(

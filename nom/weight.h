@@ -2,7 +2,10 @@
 #ifndef SDR_NOM_WEIGHT_H
 #define SDR_NOM_WEIGHT_H
 
-enum { SDR_MONOMIALS = 15 }; /* of order 4 in 3-D; 5 in 2-D, 1 in 1-D */
+enum {
+  SDR_MONOMIALS = 15, /* of order 4 in 3-D; 5 in 2-D, 1 in 1-D */
+  SDR_CUBICS = 10     /* of order 3 in 3-D; 4 in 2-D, 1 in 1-D */
+};
 
 /* Part of a neighbour's volume that lies inside the horizon (003 eq. 10): 1 up to half a spacing
    before it, falling to 1/2 on it. Lengths in one unit. */

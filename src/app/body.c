@@ -56,6 +56,8 @@ static sdr_families_how families_how(const sdr_scene *scene)
                             .partial_volume = weight->partial_volume,
                             .correction = corrections[weight->correction],
                             .state_based = scene->model != SDR_BOND_BASED,
+                            .balance = scene->balance && scene->model == SDR_BOND_BASED &&
+                                       !scene->one_sided,
                             .printed = scene->calibration == SDR_CALIBRATE_PRINTED};
 }
 
@@ -69,6 +71,7 @@ static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
     const sdr_bonds_how bonds_how = {.weight = sdr_families_weight,
                                      .context = *families,
                                      .bulk = (*families)->bulk,
+                                     .border = (*families)->border,
                                      .levels = scene->model == SDR_BOND_BASED,
                                      .one_sided = scene->one_sided};
     status = sdr_bonds_create(points, &bonds_how, bonds);

@@ -106,6 +106,7 @@ void sdr_read_family(sdr_reading *rd)
   read_weight(rd, map);
   read_calibration(rd, map);
   sdr_read_flag(rd->reader, map, "dual", "true", &dual);
+  sdr_read_flag(rd->reader, map, "balance", "true", &rd->scene->balance);
   rd->scene->one_sided = !dual;
   sdr_read_done(rd->reader, map);
 }

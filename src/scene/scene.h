@@ -321,8 +321,7 @@ typedef enum {
   SDR_CRACK_LENGTH,          /* m, of all arms */
   SDR_CRACK_AREA,            /* m^2, from damage */
   SDR_CRACK_ENERGY,          /* J, dissipated within a horizon of the crack */
-  SDR_CRACK_TOUGHNESS_SHARE, /* energy over area and toughness */
-  SDR_CRACK_PATH_SHARE,      /* 2-D: energy over length, thickness and toughness */
+  SDR_CRACK_TOUGHNESS_SHARE, /* that over area and toughness */
   SDR_CRACK_FIGURES
 } sdr_crack_figure;
 extern const char *const sdr_crack_figure_words[]; /* ended by NULL */
@@ -426,6 +425,7 @@ typedef struct sdr_scene {
   sdr_origin horizon_origin;
   sdr_weight weight;                /* key `family: {weight: ...}` */
   int one_sided;                    /* key `family: {dual: false}`: no dual horizon */
+  int balance;                      /* key `family: {balance: ...}`: at the border of two spacings */
   sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
   sdr_model_kind model;
   sdr_elasticity elasticity;            /* key `material.elasticity`; nonordinary only */
