@@ -321,7 +321,8 @@ typedef enum {
   SDR_CRACK_LENGTH,          /* m, of all arms */
   SDR_CRACK_AREA,            /* m^2, from damage */
   SDR_CRACK_ENERGY,          /* J, dissipated within a horizon of the crack */
-  SDR_CRACK_TOUGHNESS_SHARE, /* that over area and toughness */
+  SDR_CRACK_TOUGHNESS_SHARE, /* energy over area and toughness */
+  SDR_CRACK_PATH_SHARE,      /* 2-D: energy over length, thickness and toughness */
   SDR_CRACK_FIGURES
 } sdr_crack_figure;
 extern const char *const sdr_crack_figure_words[]; /* ended by NULL */
