@@ -1,6 +1,7 @@
 /* KINSOL on g(q) = 0 (equilibrium.h): Newton's method with a factor of the exact tangent,
-   indefinite or not, and without a search. A cross-check of the minimisation: a search on |g|,
-   which KINSOL offers, fails at a peak, where the way down in energy goes up in |g|. */
+   indefinite or not, and without a search: one on |g|, which KINSOL offers, fails at a peak, where
+   the way down in energy goes up in |g|. What it finds counts if the tangent is positive there: a
+   minimum. A cross-check of the minimisation, which shares its forces and tangents only. */
 #include "base/memory.h"
 #include "time/static.h"
 #include "time/sun_parts.h"
@@ -16,8 +17,8 @@ enum { MOST_STEPS = 60 };
 typedef struct {
   sdr_equilibrium *e;
   sdr_reduction *reduction;
-  sdr_solver *factor;
-  double *u; /* an unknown */
+  sdr_solver *factor, *test; /* umfpack's; whether a tangent is positive */
+  double *u;                 /* an unknown */
   SUNContext context;
   sdr_sun_complaint complaint;
   sdr_status failure;
@@ -27,6 +28,7 @@ static void destroy(void *given)
 {
   state *s = given;
   sdr_solver_destroy(&s->factor);
+  sdr_solver_destroy(&s->test);
   sdr_reduction_destroy(&s->reduction);
   sdr_free(s->u);
   if (s->context) SUNContext_Free(&s->context);
@@ -135,6 +137,19 @@ static int open_method(state *s, method *m, double tolerance)
   return flag;
 }
 
+/* 1 if the tangent at u is positive: then u is a minimum of the energy. Newton's method finds any
+   point where g = 0, past a peak also such that the body would leave at a touch. */
+static int is_stable(state *s, const double *u)
+{
+  int renewed;
+  if (sdr_equilibrium_linearise(s->e, u, 0) != SDR_OK) return 0;
+  if (sdr_reduction_update(s->reduction, &s->e->implicit->constraints, &renewed) != SDR_OK)
+    return 0;
+  sdr_solver_destroy(&s->test);
+  if (sdr_solver_create("cholmod", SDR_MATRIX_POSITIVE, &s->test) != SDR_OK) return 0;
+  return sdr_solver_factor(s->test, sdr_reduction_matrix(s->reduction)) == SDR_OK;
+}
+
 static sdr_status solve(void *given, double *u, sdr_newton_report *report)
 {
   state *s = given;
@@ -159,7 +174,7 @@ static sdr_status solve(void *given, double *u, sdr_newton_report *report)
   sdr_constraints_expand(&implicit->constraints, q, u);
   report->steps = (int)steps;
   report->residual = sdr_equilibrium_gradient(e, u, gradient);
-  report->converged = report->residual <= sdr_equilibrium_tolerance(e);
+  report->converged = report->residual <= sdr_equilibrium_tolerance(e) && is_stable(s, u);
   close_method(&m);
   sdr_free(gradient);
   return SDR_OK;
