@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "damage/laws.h"
 #include "geometry/cracks.h"
+#include "geometry/import.h"
 #include "geometry/lattice.h"
 #include "geometry/place.h"
 #include "time/stable_step.h"
@@ -75,7 +76,8 @@ static sdr_status mark_bonds(sdr_built *built)
 static sdr_status make_points(sdr_built *built)
 {
   const sdr_points_scene *wanted = &built->scene->points;
-  SDR_TRY(sdr_lattice_points(built->scene, &built->points));
+  SDR_TRY(
+      (wanted->imported ? sdr_imported_points : sdr_lattice_points)(built->scene, &built->points));
   for (int k = 0; k < wanted->refine_count; ++k)
     SDR_TRY(check_place(built, &wanted->refine[k].where, "the refined place"));
   return sdr_points_arrange(built->points);

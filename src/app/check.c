@@ -25,8 +25,8 @@ static void print_points(const sdr_built *built, FILE *out)
     least = fmin(least, points->horizon[i]);
     most = fmax(most, points->horizon[i]);
   }
-  fprintf(out, "points              %d, spacing %g mm", (int)points->count,
-          built->scene->points.spacing * 1e3);
+  fprintf(out, "points              %d, spacing %s%g mm", (int)points->count,
+          built->scene->points.imported ? "at most " : "", built->scene->points.spacing * 1e3);
   if (least == most)
     fprintf(out, ", horizon %g mm\n", least * 1e3);
   else

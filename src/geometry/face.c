@@ -2,6 +2,7 @@
 
 #include "base/small.h"
 #include "geometry/shape.h"
+#include "scene/import.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +24,7 @@ static const char *const *face_names(sdr_shape_kind kind)
   static const char *const round[FACE_NAMES] = {"inner", "outer"};
   static const char *const cylinder[FACE_NAMES] = {"inner", "outer", "bottom", "top", "ends"};
   static const char *const rim[FACE_NAMES] = {"rim"};
+  static const char *const facets[FACE_NAMES] = {"surface"};
   static const char *const none[FACE_NAMES] = {NULL};
   switch (kind) {
   case SDR_BOX:
@@ -35,7 +37,10 @@ static const char *const *face_names(sdr_shape_kind kind)
   case SDR_DISC:
   case SDR_POLYGON:
     return rim;
+  case SDR_FACETS:
+    return facets;
   case SDR_HALF_SPACE:
+  case SDR_GROUP:
   case SDR_UNION:
   case SDR_INTERSECTION:
   case SDR_DIFFERENCE:
@@ -306,6 +311,54 @@ static void cut_polygon(const cutter *cut)
   }
 }
 
+/* The triangle's pieces: a triangle of n rows, in each row triangles that stand and that hang. */
+static void cut_triangle(const cutter *cut, const double *t, const double normal[3])
+{
+  double e[3], f[3], g[3], cross[3];
+  for (int c = 0; c < 3; ++c) {
+    e[c] = t[3 + c] - t[c];
+    f[c] = t[6 + c] - t[c];
+    g[c] = f[c] - e[c];
+  }
+  sdr_cross3(e, f, cross);
+  const double longest = fmax(sdr_norm3(e), fmax(sdr_norm3(f), sdr_norm3(g)));
+  const int64_t n = parts_of(longest, cut->size);
+  const double area = 0.5 * sdr_norm3(cross) / (double)(n * n);
+  for (int64_t row = 0; row < n; ++row) {
+    for (int64_t k = 0; k < 2 * (n - row) - 1; ++k) {
+      const double third = k % 2 ? 2.0 / 3.0 : 1.0 / 3.0;
+      const double p = ((double)(k / 2) + third) / (double)n, q = ((double)row + third) / (double)n;
+      double x[3];
+      for (int c = 0; c < 3; ++c) x[c] = t[c] + p * e[c] + q * f[c];
+      emit(cut, x, normal, area);
+    }
+  }
+}
+
+static void cut_edge(const cutter *cut, const double *edge, const double normal[3])
+{
+  const double e[3] = {edge[3] - edge[0], edge[4] - edge[1], edge[5] - edge[2]};
+  const double length = sdr_norm3(e);
+  const int64_t parts = parts_of(length, cut->size);
+  for (int64_t p = 0; p < parts; ++p) {
+    const double share = ((double)p + 0.5) / (double)parts;
+    const double x[3] = {edge[0] + share * e[0], edge[1] + share * e[1], edge[2] + share * e[2]};
+    emit(cut, x, normal, length / (double)parts);
+  }
+}
+
+static void cut_facets(const cutter *cut)
+{
+  const sdr_tree *facets = cut->face.shape->group->facets;
+  for (int32_t k = 0; k < facets->count; ++k) {
+    const double *piece = facets->piece + (size_t)(3 * facets->corners) * (size_t)k;
+    const double *normal = facets->normal + 3 * (size_t)k;
+    if (facets->corners == 1) emit(cut, piece, normal, 1.0);
+    if (facets->corners == 2) cut_edge(cut, piece, normal);
+    if (facets->corners == 3) cut_triangle(cut, piece, normal);
+  }
+}
+
 static void cut_cylinder(const cutter *cut)
 {
   const sdr_shape *shape = cut->face.shape;
@@ -338,6 +391,9 @@ static void cut_face(const cutter *cut, sdr_dimension dimension)
     return;
   case SDR_POLYGON:
     cut_polygon(cut);
+    return;
+  case SDR_FACETS:
+    cut_facets(cut);
     return;
   default:
     return;
@@ -473,6 +529,8 @@ double sdr_face_distance(const sdr_shape *shape, const char *name, sdr_dimension
     return cylinder_distance(&from, x);
   case SDR_POLYGON:
     return polygon_distance(own, x);
+  case SDR_FACETS:
+    return sdr_tree_nearest(own->group->facets, x, NULL);
   default:
     return HUGE_VAL;
   }

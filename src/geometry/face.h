@@ -12,6 +12,7 @@
      sphere    inner outer
      cylinder  inner outer bottom top (z), ends: bottom and top
      polygon   rim
+     facets    surface
    A face that has no extent (y and z of a box in fewer dimensions, inner of a full body) does not
    exist. A combination has the faces of its parts; what a difference takes away has its normals
    turned round, since they point out of the body. */

@@ -115,9 +115,9 @@ static sdr_status find_plane(maker *m)
   }
   if (m->body->irregular) {
     return sdr_fail(SDR_BAD_INPUT,
-                    "%s: %s: a layer needs points in rows, and these are jittered; leave out "
-                    "`layer` or points.jitter",
-                    where, layer->name);
+                    "%s: %s: a layer needs points in rows, and these are %s; leave out `layer`%s",
+                    where, layer->name, m->scene->points.imported ? "imported" : "jittered",
+                    m->scene->points.imported ? "" : " or points.jitter");
   }
   if (along_lattice(m)) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,

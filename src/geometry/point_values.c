@@ -13,7 +13,7 @@ static void place_of(const sdr_points *points, int32_t i, double x[3])
 static sdr_status horizon_too_small(const sdr_scene *scene, const sdr_points *points, int32_t i)
 {
   char horizon[SDR_LENGTH_TEXT], spacing[SDR_LENGTH_TEXT], where[SDR_PLACE_TEXT + 8] = "";
-  if (sdr_expression_uses(scene->horizon) & SDR_USES_SPACE) {
+  if (scene->points.imported || (sdr_expression_uses(scene->horizon) & SDR_USES_SPACE)) {
     double x[3];
     place_of(points, i, x);
     memcpy(where, " at ", 5);

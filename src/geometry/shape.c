@@ -1,6 +1,7 @@
 #include "geometry/shape.h"
 
 #include "base/small.h"
+#include "scene/import.h"
 
 #include <math.h>
 
@@ -125,6 +126,10 @@ int sdr_shape_contains(const sdr_shape *shape, const double x[3], double toleran
     return half_space_contains(shape, x, tolerance);
   case SDR_POLYGON:
     return polygon_contains(shape, x, tolerance);
+  case SDR_GROUP:
+    return sdr_import_holds(shape->group, x);
+  case SDR_FACETS:
+    return sdr_tree_nearest(shape->group->facets, x, NULL) <= tolerance;
   case SDR_UNION:
   case SDR_INTERSECTION:
   case SDR_DIFFERENCE:
@@ -237,6 +242,10 @@ void sdr_shape_bounds(const sdr_shape *shape, double low[3], double high[3])
     return;
   case SDR_POLYGON:
     polygon_bounds(shape, low, high);
+    return;
+  case SDR_GROUP:
+  case SDR_FACETS:
+    unbounded(low, high);
     return;
   case SDR_UNION:
   case SDR_INTERSECTION:

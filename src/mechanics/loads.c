@@ -133,11 +133,31 @@ static double thickness_of(const sdr_scene *scene)
   return scene->dimension == SDR_3D ? 1.0 : scene->points.thickness;
 }
 
+/* The points around a piece, on which side of it they are. */
+typedef struct {
+  const sdr_points *points;
+  const sdr_piece *piece;
+  double side;
+} sides;
+
+static void add_side(void *context, int32_t point, double distance)
+{
+  sides *s = context;
+  (void)distance;
+  for (int c = 0; c < s->points->components; ++c)
+    s->side += (s->points->x[c][point] - s->piece->x[c]) * s->piece->normal[c];
+}
+
 /* -1 if the normal points into the body, as on the rim of a region that is a hole of it. */
-static double outward(const spreader *s, const sdr_piece *piece)
+static double outward(const spreader *s, const sdr_piece *piece, int32_t nearest)
 {
   const sdr_shape *body = s->scene->points.shape;
   double behind[3], ahead[3];
+  if (!body) { /* imported: where its points are */
+    sides around = {s->points, piece, 0.0};
+    sdr_point_grid_within(s->grid, piece->x, 2.0 * s->points->spacing[nearest], add_side, &around);
+    return around.side > 0.0 ? -1.0 : 1.0;
+  }
   for (int c = 0; c < 3; ++c) {
     const double step = 1e-6 * s->scene->points.spacing * piece->normal[c];
     behind[c] = piece->x[c] - step;
@@ -182,7 +202,7 @@ static void spread_piece(void *context, const sdr_piece *given)
     if (s->far_pieces++ == 0) memcpy(s->far_place, piece.x, sizeof s->far_place);
     return;
   }
-  const double turn = outward(s, &piece);
+  const double turn = outward(s, &piece, nearest);
   for (int c = 0; c < 3; ++c) piece.normal[c] *= turn;
   const double layer = s->points->spacing[nearest] * (1.0 + SDR_SHAPE_TOLERANCE);
   s->piece = &piece;
@@ -209,7 +229,7 @@ static double finest_spacing(const spreader *s, const sdr_shape *shape, const ch
 {
   const sdr_points *points = s->points;
   double finest = s->scene->points.spacing;
-  for (int32_t i = 0; points->level && i < points->count; ++i) {
+  for (int32_t i = 0; (points->level || points->irregular) && i < points->count; ++i) {
     double x[3];
     if (points->spacing[i] >= finest) continue;
     place_of(points, i, x);

@@ -1,3 +1,4 @@
+#include "scene/import.h"
 #include "scene/sections.h"
 
 #include <math.h>
@@ -6,6 +7,14 @@
 static void read_horizon(sdr_reading *rd)
 {
   sdr_scene *scene = rd->scene;
+  if (scene->points.imported && scene->points.imported->horizon) {
+    const sdr_node *given = sdr_node_find(rd->root, "horizon");
+    if (given)
+      sdr_read_error(rd->reader, given->key_origin,
+                     "the imported file has a column 'horizon'; remove this key, or name the "
+                     "column in points.import.ignore");
+    return;
+  }
   sdr_node *node = sdr_read_value(rd->reader, rd->root, "horizon", "3.015 spacing",
                                   "a length, like 3 mm or 3.015 spacing");
   if (!node) return;

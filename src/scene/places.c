@@ -1,3 +1,4 @@
+#include "scene/import.h"
 #include "scene/sections.h"
 
 #include <stdio.h>
@@ -19,6 +20,9 @@ static int faces_of(const sdr_shape *shape, sdr_dimension dimension, const char 
   case SDR_DISC:
   case SDR_POLYGON:
     faces[count++] = "rim";
+    break;
+  case SDR_FACETS:
+    faces[count++] = "surface";
     break;
   case SDR_ANNULUS:
   case SDR_SPHERE:
@@ -104,13 +108,19 @@ static int region_index(const sdr_reading *rd, const char *name)
   return -1;
 }
 
+/* Regions of the scene, then groups of the imported file. */
 static void region_names(const sdr_reading *rd, char *text, size_t size)
 {
+  const sdr_import *import = rd->scene->points.imported;
   size_t used = 0;
   text[0] = '\0';
   for (int k = 0; k < rd->scene->region_count && used < size; ++k) {
     used += (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "",
                              rd->scene->region[k].name);
+  }
+  for (int k = 0; import && k < import->group_count && used < size; ++k) {
+    used +=
+        (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", import->group[k].name);
   }
 }
 
@@ -142,13 +152,35 @@ static void read_region(sdr_reading *rd, int index)
   rd->state[index] = shape ? SDR_REGION_READ : SDR_REGION_BAD;
 }
 
+/* 1 if a file was to be imported and is in error, which has been said: names may be its groups. */
+static int lacks_import(const sdr_reading *rd)
+{
+  const sdr_node *points = sdr_node_find(rd->root, "points");
+  const sdr_node *import =
+      points && points->kind == SDR_MAPPING ? sdr_node_find(points, "import") : NULL;
+  return import && !sdr_node_is_null(import) && !rd->scene->points.imported;
+}
+
+/* The points of a group of the imported file; an error if there is none of that name. */
+static sdr_shape *imported_volume(sdr_reading *rd, const sdr_node *node, const char *name)
+{
+  sdr_shape *shape = sdr_imported_shape(rd, name);
+  if (!shape) {
+    if (!lacks_import(rd)) unknown_region(rd, node, name);
+    return NULL;
+  }
+  if (shape->kind == SDR_GROUP) return shape;
+  sdr_read_error(rd->reader, node->origin,
+                 "'%s' is a face of the imported mesh; here a region or a group of its elements is "
+                 "wanted",
+                 name);
+  return NULL;
+}
+
 sdr_shape *sdr_read_region(sdr_reading *rd, const sdr_node *node, const char *name)
 {
   const int index = region_index(rd, name);
-  if (index < 0) {
-    unknown_region(rd, node, name);
-    return NULL;
-  }
+  if (index < 0) return imported_volume(rd, node, name);
   if (rd->state[index] == SDR_REGION_OPEN) {
     sdr_read_error(rd->reader, node->origin, "the region '%s' is made of itself", name);
     return NULL;
@@ -172,6 +204,10 @@ void sdr_read_regions(sdr_reading *rd)
     if (strcmp(child->key, "body") == 0 || strcmp(child->key, "all") == 0) {
       sdr_read_error(rd->reader, child->key_origin,
                      "'%s' always names the whole body; give the region another name", child->key);
+    } else if (sdr_imported_shape(rd, child->key)) {
+      sdr_read_error(rd->reader, child->key_origin,
+                     "'%s' is a group of the imported file too; give the region another name",
+                     child->key);
     }
   }
   for (int k = 0; k < rd->scene->region_count; ++k) {
@@ -194,7 +230,7 @@ static int is_same_shape(const sdr_shape *a, const sdr_shape *b)
          memcmp(&a->inner, &b->inner, sizeof a->inner) == 0 &&
          memcmp(&a->outer, &b->outer, sizeof a->outer) == 0 &&
          memcmp(&a->angle, &b->angle, sizeof a->angle) == 0 && a->parts == b->parts &&
-         a->vertices == b->vertices;
+         a->vertices == b->vertices && a->group == b->group;
 }
 
 /* 1 if `body` takes `part` away (an odd number of times on the way to it). */
@@ -249,6 +285,11 @@ static int named_place(sdr_reading *rd, const sdr_node *node, sdr_place *out)
   if (strcmp(text, "body") == 0 || strcmp(text, "all") == 0) return 1;
   if (dot) {
     snprintf(owner, sizeof owner, "%.*s", (int)(dot - text < 60 ? dot - text : 60), text);
+    if (strcmp(owner, "body") == 0 && rd->scene->points.imported) {
+      sdr_read_error(rd->reader, node->origin,
+                     "'%.60s': an imported body has the faces that its file names only", text);
+      return 0;
+    }
     out->shape =
         strcmp(owner, "body") == 0 ? rd->scene->points.shape : sdr_read_region(rd, node, owner);
     if (!out->shape || !check_face(rd, node, out->shape, owner, dot + 1)) return 0;
@@ -263,12 +304,18 @@ static int named_place(sdr_reading *rd, const sdr_node *node, sdr_place *out)
     out->shape = sdr_read_region(rd, node, text);
     return out->shape != NULL;
   }
-  if (is_face_word(text)) {
+  if (sdr_imported_shape(rd, text)) {
+    out->shape = sdr_imported_shape(rd, text);
+    if (out->shape->kind == SDR_FACETS) snprintf(out->face, sizeof out->face, "surface");
+    return 1;
+  }
+  if (is_face_word(text) && !rd->scene->points.imported) {
     out->shape = rd->scene->points.shape;
     if (!out->shape || !check_face(rd, node, out->shape, "the body", text)) return 0;
     snprintf(out->face, sizeof out->face, "%s", text);
     return 1;
   }
+  if (lacks_import(rd)) return 0;
   char names[300] = "";
   region_names(rd, names, sizeof names);
   const char *faces = rd->scene->points.shape

@@ -1,3 +1,4 @@
+#include "scene/import.h"
 #include "scene/sections.h"
 
 #include <math.h>
@@ -78,6 +79,40 @@ static void read_refine(sdr_reading *rd, sdr_node *map)
   }
 }
 
+static void read_across(sdr_reading *rd, sdr_node *map)
+{
+  sdr_reader *r = rd->reader;
+  double *across = &rd->scene->points.thickness;
+  if (r->dimension == SDR_1D) {
+    sdr_read_number(r, map, "area", SDR_ABOVE_ZERO(SDR_AREA), "1 m^2", across);
+  } else if (r->dimension != SDR_3D) {
+    sdr_read_number(r, map, "thickness", SDR_ABOVE_ZERO(SDR_LENGTH), "1 m", across);
+  }
+}
+
+/* Points from a file lie where they lie. */
+static void read_imported(sdr_reading *rd, sdr_node *map)
+{
+  static const char *const lattice[] = {"shape", "spacing", "origin", "align",
+                                        "angle", "jitter",  "refine", "adapt"};
+  sdr_points_scene *points = &rd->scene->points;
+  sdr_read_allow(rd->reader, map, "import");
+  for (size_t k = 0; k < sizeof lattice / sizeof *lattice; ++k) {
+    const sdr_node *node = sdr_node_find(map, lattice[k]);
+    sdr_read_allow(rd->reader, map, lattice[k]);
+    if (!node || sdr_node_is_null(node)) continue;
+    sdr_read_error(rd->reader, node->key_origin,
+                   "points.%s is for lattices, and these points are imported; remove one of the "
+                   "two keys (in a variant: %s: null)",
+                   lattice[k], lattice[k]);
+  }
+  read_across(rd, map);
+  sdr_read_done(rd->reader, map);
+  for (int32_t i = 0; i < points->imported->count; ++i)
+    points->spacing =
+        fmax(points->spacing, sdr_import_spacing(points->imported, i, points->thickness));
+}
+
 void sdr_read_points(sdr_reading *rd)
 {
   sdr_reader *r = rd->reader;
@@ -86,12 +121,11 @@ void sdr_read_points(sdr_reading *rd)
   points->thickness = 1;
   if (!map) return;
   points->origin = map->key_origin;
-  const sdr_node *import = sdr_read_has(r, map, "import") ? sdr_node_find(map, "import") : NULL;
-  if (import) {
-    sdr_read_error(r, import->key_origin,
-                   "'import' is not available in this version; give shape and spacing");
+  if (points->imported) {
+    read_imported(rd, map);
     return;
   }
+  if (sdr_read_has(r, map, "import") && !sdr_node_is_null(sdr_node_find(map, "import"))) return;
   sdr_node *shape = sdr_read_value(r, map, "shape", NULL, "a shape, like {box: {...}}");
   if (shape) points->shape = sdr_read_shape(rd, shape, NULL);
   sdr_read_number(r, map, "spacing", SDR_ABOVE_ZERO(SDR_LENGTH), NULL, &points->spacing);
@@ -103,10 +137,6 @@ void sdr_read_points(sdr_reading *rd)
   read_jitter(rd, map);
   read_refine(rd, map);
   sdr_read_adapt(rd, map);
-  if (r->dimension == SDR_1D) {
-    sdr_read_number(r, map, "area", SDR_ABOVE_ZERO(SDR_AREA), "1 m^2", &points->thickness);
-  } else if (r->dimension != SDR_3D) {
-    sdr_read_number(r, map, "thickness", SDR_ABOVE_ZERO(SDR_LENGTH), "1 m", &points->thickness);
-  }
+  read_across(rd, map);
   sdr_read_done(r, map);
 }

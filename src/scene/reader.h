@@ -21,6 +21,9 @@ typedef struct {
   sdr_reader_error error[SDR_READER_KEPT_ERRORS];
   sdr_status fatal; /* SDR_OK, or what stopped the reading: no memory, no table of units */
   char fatal_text[300];
+  const struct sdr_import *imported; /* read before, and how: not read again */
+  char imported_how[600];
+  int unreadable; /* 1: an imported file cannot be read by this build */
   int default_count, default_room;
   char **defaults;
 } sdr_reader;

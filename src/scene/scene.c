@@ -205,6 +205,7 @@ static void read_sections(sdr_reading *rd)
   if (dimension == 4) dimension = SDR_PLANE_STRESS;
   rd->reader->dimension = rd->scene->dimension = (sdr_dimension)dimension;
   read_top(rd);
+  sdr_read_import(rd);
   sdr_read_regions(rd);
   if (is_equation) {
     sdr_read_points(rd);
@@ -249,7 +250,9 @@ static void check_variant(sdr_reader *main_reader, const request *asked, const s
   sdr_store *store = sdr_store_create();
   sdr_node *copy = store ? sdr_node_copy(store, root) : NULL;
   sdr_scene *scene = store ? sdr_store_alloc(store, 1, sizeof *scene) : NULL;
-  sdr_reader reader = {.store = store, .file = main_reader->file};
+  sdr_reader reader = {
+      .store = store, .file = main_reader->file, .imported = main_reader->imported};
+  memcpy(reader.imported_how, main_reader->imported_how, sizeof reader.imported_how);
   if (copy && scene) {
     request other = *asked;
     other.variant = variant->key;
@@ -260,7 +263,8 @@ static void check_variant(sdr_reader *main_reader, const request *asked, const s
   }
   const int kept =
       reader.error_count < SDR_READER_KEPT_ERRORS ? reader.error_count : SDR_READER_KEPT_ERRORS;
-  for (int k = 0; k < kept; ++k) {
+  /* Another build, with what reads its file, will check it. */
+  for (int k = 0; k < kept && !reader.unreadable; ++k) {
     /* An override may not fit a variant that it was not meant for. */
     if (reader.error[k].origin.file != reader.file) continue;
     sdr_read_error(main_reader, reader.error[k].origin, "in the variant '%s': %s", variant->key,

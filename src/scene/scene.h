@@ -30,6 +30,8 @@ typedef enum {
                      faces inner outer bottom top ends */
   SDR_HALF_SPACE, /* points with (x - centre).normal <= 0; no face */
   SDR_POLYGON,    /* 2-D, vertices in order; face rim */
+  SDR_GROUP,      /* named points of an imported body; no face */
+  SDR_FACETS,     /* a named face of an imported mesh; face surface */
   SDR_UNION,
   SDR_INTERSECTION,
   SDR_DIFFERENCE /* parts[0] without the others */
@@ -44,7 +46,8 @@ typedef struct sdr_shape {
   struct sdr_shape *parts; /* of a combination */
   int primitive_count;     /* in all parts, at most 10000; 1 for a primitive */
   int vertex_count;
-  double *vertices; /* polygon: x0 y0 x1 y1 ... */
+  double *vertices;                     /* polygon: x0 y0 x1 y1 ... */
+  const struct sdr_import_group *group; /* SDR_GROUP, SDR_FACETS (scene/import.h) */
   sdr_origin origin;
 } sdr_shape;
 
@@ -77,11 +80,11 @@ typedef struct {
 
 /* Points that split while a run goes on, key `points.adapt` (mechanics/refine.h). */
 typedef struct {
-  int levels;            /* halvings of the body's spacing that a point may reach */
-  int anywhere;          /* 1: points of any place may split, else those in `where` */
-  sdr_place where;       /* volume */
-  double damage;         /* a point splits whose damage has grown by more than this; INFINITY: none */
-  double energy;         /* or whose stored energy is above this, J/m^3; INFINITY: none */
+  int levels;      /* halvings of the body's spacing that a point may reach */
+  int anywhere;    /* 1: points of any place may split, else those in `where` */
+  sdr_place where; /* volume */
+  double damage;   /* a point splits whose damage has grown by more than this; INFINITY: none */
+  double energy;   /* or whose stored energy is above this, J/m^3; INFINITY: none */
   sdr_length neighbours; /* and all within this distance of it; relative: horizons of level 0 */
   sdr_length ahead;      /* beyond that, whenever some point must; likewise */
   double every;          /* s between two looks; NAN: automatic */
@@ -102,8 +105,9 @@ typedef struct {
   double thickness;  /* m: 2-D; in 1-D the area in m^2; default 1 */
   int refine_count;
   sdr_refine *refine;
-  sdr_adapt_scene *adapt; /* NULL: points stay as they are */
-  char import_file[512]; /* "": none; a CSV or mesh file instead of shape and spacing */
+  sdr_adapt_scene *adapt;            /* NULL: points stay as they are */
+  const struct sdr_import *imported; /* from a file (scene/import.h) instead of shape and spacing,
+                                        which then are NULL and the largest one; NULL: a lattice */
   sdr_origin origin;
 } sdr_points_scene;
 
@@ -421,12 +425,13 @@ typedef struct sdr_scene {
   sdr_dimension dimension;
   int stateless; /* 1: `2d`, an equation in the plane that minds neither stress nor strain in z */
   sdr_points_scene points;
-  sdr_expression *horizon; /* of x y z; multiples of the spacing if horizon_relative, else m */
+  sdr_expression *horizon; /* of x y z; multiples of the spacing if horizon_relative, else m; NULL:
+                              each imported point has its own */
   int horizon_relative;
   sdr_origin horizon_origin;
-  sdr_weight weight;                /* key `family: {weight: ...}` */
-  int one_sided;                    /* key `family: {dual: false}`: no dual horizon */
-  int balance;                      /* key `family: {balance: ...}`: at the border of two spacings */
+  sdr_weight weight; /* key `family: {weight: ...}` */
+  int one_sided;     /* key `family: {dual: false}`: no dual horizon */
+  int balance;       /* key `family: {balance: ...}`: at the border of two spacings */
   sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
   sdr_model_kind model;
   sdr_elasticity elasticity;            /* key `material.elasticity`; nonordinary only */

@@ -38,6 +38,12 @@ int sdr_is_shape_word(const char *word);
 /* A shape; NULL if it is in error. `beside`: a key that may stand beside the shape's, or NULL. */
 sdr_shape *sdr_read_shape(sdr_reading *reading, sdr_node *node, const char *beside);
 
+/* import.c: the file of `points.import`, if there is one; before the regions, which may name its
+   groups. */
+void sdr_read_import(sdr_reading *reading);
+/* The shape of a group of the imported file; NULL: none of that name. */
+sdr_shape *sdr_imported_shape(const sdr_reading *reading, const char *name);
+
 /* places.c */
 typedef enum { SDR_ANY_PLACE, SDR_VOLUME_PLACE, SDR_FACE_PLACE } sdr_place_kind;
 void sdr_read_regions(sdr_reading *reading);
@@ -71,7 +77,7 @@ void sdr_read_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_allow_adaptive(sdr_reading *reading, sdr_node *map);
 void sdr_check_masses(sdr_reading *reading); /* refuse points without mass where they cannot move */
 void sdr_read_energy_momentum(sdr_reading *reading, sdr_node *map); /* midpoint.c: likewise */
-void sdr_read_contact(sdr_reading *reading); /* contact.c; after time */
+void sdr_read_contact(sdr_reading *reading);                        /* contact.c; after time */
 void sdr_read_output(sdr_reading *reading); /* after time, points and damage */
 /* The mapping `measures` of `output`. measures.c */
 void sdr_read_measures(sdr_reading *reading, sdr_node *output);
