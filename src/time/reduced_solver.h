@@ -8,11 +8,12 @@
 
 typedef struct sdr_reduced_solver sdr_reduced_solver;
 
-/* `name`: "pcg" (conjugate gradients, the inverses of points' blocks as preconditioner), "stale" (a
-   Cholesky factor is the preconditioner, as long as it serves), "cholmod" (L L^T, or L D L^T where
-   the tangent is indefinite), "klu", "umfpack"; "auto": pcg, or umfpack for layers whose forces act
-   elsewhere than they move. SDR_BAD_INPUT: no such solver, or the model has no tangent. Borrows the
-   model. Owner: the caller. */
+/* `name`: "pcg" (conjugate gradients, the inverses of points' blocks as preconditioner), "stale"
+   (the same until it takes more than a few iterations, then a Cholesky factor is the
+   preconditioner, as long as it serves), "cholmod" (L L^T, or L D L^T where the tangent is
+   indefinite), "klu", "umfpack"; "auto": pcg, or umfpack for layers whose forces act elsewhere than
+   they move. SDR_BAD_INPUT: no such solver, or the model has no tangent. Borrows the model. Owner:
+   the caller. */
 sdr_status sdr_reduced_solver_create(sdr_model *model, const char *name, sdr_reduced_solver **out);
 void sdr_reduced_solver_destroy(sdr_reduced_solver **solver); /* NULL-safe */
 

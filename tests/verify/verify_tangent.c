@@ -154,6 +154,27 @@ static void check_component(const body *b, work *w, double *const u[3], int a, i
                 1e-13 * w->largest);
 }
 
+/* Products and blocks of the tangent that is kept, at another u by then. */
+static void check_kept(const body *b, double *const u[3])
+{
+  const sdr_model_ops *ops = b->model->ops;
+  work w = work_create(b, u);
+  const int n = b->points->components;
+  double *blocks = sdr_alloc((size_t)(b->points->count * n * n), sizeof *blocks);
+  vector_noise(b->points, 1.0, 77, w.unit);
+  assert_int_equal(ops->tangent_times(b->model, u, w.unit, w.expected), SDR_OK);
+  assert_int_equal(ops->tangent_keep(b->model, u), SDR_OK);
+  for (int a = 0; a < n; ++a) u[a][0] += body_spacing;
+  ops->kept_times(b->model, w.unit, w.column);
+  ops->kept_diagonal(b->model, blocks);
+  for (int a = 0; a < n; ++a) u[a][0] -= body_spacing;
+  assert_at_most(vector_difference(b->points, w.column, w.expected), 1e-12 * w.largest);
+  for (int32_t k = 0; k < b->points->count * n * n; ++k)
+    assert_near(blocks[k], w.diagonal[k], 1e-13 * w.largest);
+  work_destroy(&w);
+  sdr_free(blocks);
+}
+
 static int32_t check_gradients(const body *b, double *const u[3])
 {
   uint8_t *near = points_near_kinks(b, u);
@@ -203,6 +224,7 @@ static void check_body(int shape, sdr_law law, int variant)
     static const double factor[3] = {1.3, 0.5, -0.4};
     stretched(&b, factor[state], 2e-3, 4 + (uint64_t)state, u);
     checked += check_gradients(&b, u);
+    check_kept(&b, u);
     b.model->ops->energies(b.model, u, &now);
     if (state == 0 && sdr_law_softens((int)law)) {
       assert_true(now.dissipated > 1.05 * before.dissipated);
@@ -212,6 +234,40 @@ static void check_body(int shape, sdr_law law, int variant)
   assert_true(checked >= b.points->count / EVERY); /* of three times as many */
   vector_destroy(u);
   body_destroy(&b);
+}
+
+/* What is committed is what the energy had taken in already. */
+static void check_commit(int shape, sdr_law law, int variant)
+{
+  body b = body_of(shape, law, variant);
+  double *u[3];
+  sdr_energies before, after;
+  vector_create(b.points, u);
+  for (int state = 0; state < 3; ++state) {
+    static const double factor[3] = {0.9, 0.5, 1.3};
+    stretched(&b, factor[state], 2e-3, 4 + (uint64_t)state, u);
+    b.model->ops->energies(b.model, u, &before);
+    b.model->ops->commit(b.model, u);
+    b.model->ops->energies(b.model, u, &after);
+    assert_near(after.stored, before.stored, 1e-13 * before.stored);
+    assert_near(after.dissipated, before.dissipated, 1e-13 * before.dissipated);
+    stretched(&b, 0.1, 0.0, 4, u);
+    b.model->ops->energies(b.model, u, &after); /* and it stays */
+    assert_near(after.dissipated, before.dissipated, 1e-13 * before.dissipated);
+  }
+  vector_destroy(u);
+  body_destroy(&b);
+}
+
+#define CHECK_COMMIT(law, code)                                                                    \
+  for (int shape = 0; shape < SHAPES && sdr_law_softens(code); ++shape)                            \
+    for (int variant = 0; variant < 4; ++variant)                                                  \
+      if (!((variant & 1) && shapes[shape].jitter > 0.0)) check_commit(shape, code, variant);
+
+static void histories_take_in_what_energies_had(void **state)
+{
+  (void)state;
+  SDR_LAWS(CHECK_COMMIT)
 }
 
 #define CHECK_LAW(law, code)                                                                       \
@@ -300,6 +356,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(tangent_and_force_are_gradients_for_every_law),
+      cmocka_unit_test(histories_take_in_what_energies_had),
       cmocka_unit_test(the_secant_is_never_negative_where_the_tangent_is),
       cmocka_unit_test(on_unloading_a_bar_has_its_secant_for_a_tangent),
   };
