@@ -19,7 +19,7 @@ static const double least_factor = 0.2, damping = 3e-3, tolerance = 1e-4;
 /* A pair of two points of the border; c: its force a unit of stretch over Young's modulus, but for
    a constant that all share, m^2. */
 typedef struct {
-  int32_t i, j;
+  int32_t i, j; /* numbers times cubics */
   double c, phi[SDR_CUBICS];
 } border_pair;
 
@@ -27,13 +27,15 @@ typedef struct {
   sdr_families *families;
   const sdr_neighbourhood *near;
   int cubics;
-  uint8_t *in; /* a point */
+  uint8_t *in;      /* a point */
+  int32_t *number;  /* a point: its place among those of the border */
+  int32_t unknowns; /* points of the border times cubics; so many numbers have those below */
   border_pair *pairs;
   int64_t count;
-  double *rest; /* cubics a point: what is left of sum c n n n, less what a lattice of one spacing
-                   in the same body has there */
-  double *mu;   /* cubics a point */
-  double *size; /* cubics a point: sum c phi^2 over the pairs of a point, the mean of its cubics */
+  double *rest; /* what is left of sum c n n n, less what a lattice of one spacing in the same body
+                   has there */
+  double *mu;
+  double *size; /* sum c phi^2 over the pairs of a point, the mean of its cubics */
   double *step, *residual, *image, *step_image;
 } border;
 
@@ -77,18 +79,18 @@ static double directed(const sdr_families *families, int32_t i, int32_t j, const
 
 /* ---- who is there ---------------------------------------------------------------------------- */
 
-static int64_t find_points(border *b)
+static void find_points(border *b)
 {
   const sdr_points *points = b->families->points;
-  int64_t found = 0;
   for (int32_t i = 0; i < points->count; ++i)
     for (int64_t k = b->near->row[i]; k < b->near->row[i + 1]; ++k) {
       const int32_t j = b->near->column[k];
-      if (points->spacing[i] == points->spacing[j]) continue;
-      b->in[i] = b->in[j] = 1;
-      ++found;
+      if (points->spacing[i] != points->spacing[j]) b->in[i] = b->in[j] = 1;
     }
-  return found;
+  for (int32_t i = 0; i < points->count; ++i) {
+    b->number[i] = b->unknowns;
+    if (b->in[i]) b->unknowns += b->cubics;
+  }
 }
 
 static int listed_by(const border *b, int32_t i, int32_t j)
@@ -103,7 +105,7 @@ static void add_pair(border *b, int32_t i, int32_t j, double c_ij)
   const sdr_points *points = b->families->points;
   double xi[3], n[3];
   border_pair *pair = &b->pairs[b->count++];
-  *pair = (border_pair){.i = i, .j = j, .c = c_ij};
+  *pair = (border_pair){.i = b->number[i], .j = b->number[j], .c = c_ij};
   direction_of(points, i, j, xi, n);
   sdr_cubic(points->components, n, pair->phi);
   if (!sdr_in_horizon(points, j, sdr_distance_squared(points, i, j))) return;
@@ -130,8 +132,8 @@ static sdr_status add_bonds(border *b)
       sdr_cubic(points->components, n, phi);
       const double c = directed(b->families, i, j, xi);
       for (int m = 0; m < b->cubics; ++m) {
-        b->rest[b->cubics * i + m] += c * phi[m];
-        b->rest[b->cubics * j + m] -= c * phi[m];
+        if (b->in[i]) b->rest[b->number[i] + m] += c * phi[m];
+        if (b->in[j]) b->rest[b->number[j] + m] -= c * phi[m];
       }
       if (listed_by(b, i, j)) add_pair(b, i, j, c);
     }
@@ -197,7 +199,7 @@ static void less_one_spacing(border *b, const filling *body, const sdr_stencil *
     sdr_cubic(points->components, n, phi);
     const double c = 2.0 * sdr_family_bond_weight(b->families, family, xi) * volumes /
                      family->first * filled(body, x, family->spacing);
-    for (int m = 0; m < b->cubics; ++m) b->rest[b->cubics * i + m] -= c * phi[m];
+    for (int m = 0; m < b->cubics; ++m) b->rest[b->number[i] + m] -= c * phi[m];
   }
 }
 
@@ -241,21 +243,19 @@ static sdr_status less_lattice(border *b)
 static double change_of(const border *b, const border_pair *p, const double *mu)
 {
   double change = 0.0;
-  for (int m = 0; m < b->cubics; ++m)
-    change += (mu[b->cubics * p->i + m] - mu[b->cubics * p->j + m]) * p->phi[m];
+  for (int m = 0; m < b->cubics; ++m) change += (mu[p->i + m] - mu[p->j + m]) * p->phi[m];
   return change;
 }
 
 static void image_of(const border *b, const double *mu, double *out)
 {
-  const int32_t count = b->families->points->count * b->cubics;
-  for (int32_t k = 0; k < count; ++k) out[k] = damping * b->size[k] * mu[k];
+  for (int32_t k = 0; k < b->unknowns; ++k) out[k] = damping * b->size[k] * mu[k];
   for (int64_t k = 0; k < b->count; ++k) {
     const border_pair *p = &b->pairs[k];
     const double change = p->c * change_of(b, p, mu);
     for (int m = 0; m < b->cubics; ++m) {
-      out[b->cubics * p->i + m] += change * p->phi[m];
-      out[b->cubics * p->j + m] -= change * p->phi[m];
+      out[p->i + m] += change * p->phi[m];
+      out[p->j + m] -= change * p->phi[m];
     }
   }
 }
@@ -263,8 +263,7 @@ static void image_of(const border *b, const double *mu, double *out)
 static double product(const border *b, const double *x, const double *y)
 {
   double sum = 0.0;
-  const int32_t count = b->families->points->count * b->cubics;
-  for (int32_t k = 0; k < count; ++k) sum += x[k] * y[k];
+  for (int32_t k = 0; k < b->unknowns; ++k) sum += x[k] * y[k];
   return sum;
 }
 
@@ -272,9 +271,9 @@ static double product(const border *b, const double *x, const double *y)
    vanish, as where the border meets a surface. */
 static void solve(border *b)
 {
-  const int32_t count = b->families->points->count * b->cubics;
+  const int32_t count = b->unknowns;
   const size_t bytes = (size_t)count * sizeof *b->residual;
-  for (int32_t k = 0; k < count; ++k) b->residual[k] = b->in[k / b->cubics] ? -b->rest[k] : 0.0;
+  for (int32_t k = 0; k < count; ++k) b->residual[k] = -b->rest[k];
   memcpy(b->step, b->residual, bytes);
   image_of(b, b->residual, b->image);
   memcpy(b->step_image, b->image, bytes);
@@ -300,7 +299,7 @@ static void solve(border *b)
 
 static sdr_status alloc_border(border *b)
 {
-  const size_t count = (size_t)b->families->points->count * (size_t)b->cubics;
+  const size_t count = (size_t)b->unknowns;
   b->rest = sdr_alloc(count, sizeof(double));
   b->mu = sdr_alloc(count, sizeof(double));
   b->size = sdr_alloc(count, sizeof(double));
@@ -320,8 +319,8 @@ static void measure_points(const border *b)
     double square = 0.0;
     for (int m = 0; m < b->cubics; ++m) square += p->phi[m] * p->phi[m];
     for (int m = 0; m < b->cubics; ++m) {
-      b->size[b->cubics * p->i + m] += p->c * square / b->cubics;
-      b->size[b->cubics * p->j + m] += p->c * square / b->cubics;
+      b->size[p->i + m] += p->c * square / b->cubics;
+      b->size[p->j + m] += p->c * square / b->cubics;
     }
   }
 }
@@ -336,6 +335,21 @@ static sdr_status balance(border *b)
   return SDR_OK;
 }
 
+/* The multipliers of all points, 0 away from the border. */
+static sdr_status hand_over(border *b)
+{
+  sdr_families *families = b->families;
+  const size_t cubics = (size_t)b->cubics;
+  families->cubic = sdr_alloc((size_t)families->points->count, cubics * sizeof(double));
+  if (!families->cubic) return SDR_RUN_FAILED;
+  for (int32_t i = 0; i < families->points->count; ++i)
+    if (b->in[i])
+      memcpy(families->cubic + cubics * (size_t)i, b->mu + b->number[i], cubics * sizeof(double));
+  families->border = b->in;
+  b->in = NULL;
+  return SDR_OK;
+}
+
 sdr_status sdr_border_weights(sdr_families *families, const sdr_neighbourhood *near)
 {
   border b = {.families = families, .near = near};
@@ -343,17 +357,15 @@ sdr_status sdr_border_weights(sdr_families *families, const sdr_neighbourhood *n
   double phi[SDR_CUBICS];
   b.cubics = sdr_cubic(families->points->components, any, phi);
   b.in = sdr_alloc(sdr_points_padded(families->points), 1);
-  sdr_status status = b.in ? SDR_OK : SDR_RUN_FAILED;
-  if (status == SDR_OK && find_points(&b) > 0) {
+  b.number = sdr_alloc((size_t)families->points->count, sizeof *b.number);
+  sdr_status status = b.in && b.number ? SDR_OK : SDR_RUN_FAILED;
+  if (status == SDR_OK) find_points(&b);
+  if (status == SDR_OK && b.unknowns > 0) {
     status = balance(&b);
-    if (status == SDR_OK) {
-      families->cubic = b.mu;
-      families->border = b.in;
-      b.mu = NULL;
-      b.in = NULL;
-    }
+    if (status == SDR_OK) status = hand_over(&b);
   }
   sdr_free(b.in);
+  sdr_free(b.number);
   sdr_free(b.pairs);
   sdr_free(b.rest);
   sdr_free(b.mu);
