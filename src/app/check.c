@@ -97,6 +97,30 @@ static sdr_status print_step(const sdr_built *built, FILE *out)
   return SDR_OK;
 }
 
+/* Points that may split, and what that makes of the step. */
+static void print_adapt(const sdr_built *built, FILE *out)
+{
+  const sdr_adapt_scene *adapt = built->scene->points.adapt;
+  if (!adapt) return;
+  double horizon = 0.0;
+  for (int32_t i = 0; i < built->points->count; ++i)
+    horizon = fmax(horizon, built->points->horizon[i]);
+  const sdr_length lengths[] = {adapt->neighbours, adapt->ahead};
+  double reach = 0.0;
+  for (int k = 0; k < 2; ++k)
+    reach += lengths[k].relative ? lengths[k].value * horizon : lengths[k].value;
+  fprintf(out, "points may split    ");
+  if (adapt->levels == 1)
+    fprintf(out, "once");
+  else
+    fprintf(out, "%d times", adapt->levels);
+  fprintf(out, ", to %g mm, above", ldexp(built->points->lattice_spacing, -adapt->levels) * 1e3);
+  if (!isinf(adapt->energy)) fprintf(out, " %g J/m^3", adapt->energy);
+  if (!isinf(adapt->energy) && !isinf(adapt->damage)) fprintf(out, " or");
+  if (!isinf(adapt->damage)) fprintf(out, " a damage of %g", adapt->damage);
+  fprintf(out, "; with all within %g mm\n", reach * 1e3);
+}
+
 static void print_memory(const sdr_built *built, FILE *out)
 {
   const double held = (double)sdr_memory_now();
@@ -137,6 +161,7 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
           scene->mixed ? "mixed" : "double", sdr_threads(), sdr_threads() == 1 ? "" : "s");
   print_points(built, out);
   SDR_TRY(print_step(built, out));
+  print_adapt(built, out);
   print_memory(built, out);
   SDR_TRY(sdr_check_materials(built, out));
   if (scene->damage.law != SDR_LAW_NONE)
