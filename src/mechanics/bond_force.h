@@ -14,8 +14,9 @@ typedef struct {
 SDR_INLINE SDR_NAMED(sdr_stretch) SDR_NAMED(stretch_of)(SDR_REAL z)
 {
   const SDR_REAL one = (SDR_REAL)1, half = (SDR_REAL)0.5;
-  /* l = 0: no direction, no force. A sum instead of the larger of two, which gcc makes two ways of
-     computing all that follows. */
+  /* l = 0: no direction, no force. 1 + z may cancel to 0 where xi + eta is what rounding left of
+     it; over an r far below the square root of a rounding that would be a force without bounds. A
+     sum instead of the larger of two, which gcc makes two ways of computing all that follows. */
   const SDR_REAL r = SDR_SQRT(SDR_ABS(one + z) + SDR_SMALLEST);
   const SDR_REAL rough = r - one, error = SDR_FMA(-rough, rough + (SDR_REAL)2, z);
   return (SDR_NAMED(sdr_stretch)){SDR_FMA(half, error, rough), r};

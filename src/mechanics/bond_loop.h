@@ -204,7 +204,7 @@ SDR_INLINE sdr_terms_float terms_of_float(const sdr_bond_body *body, const sdr_b
 #define SDR_WIDE(sum) (sum)
 #define SDR_NAMED(name) name##_double
 #define SDR_SQRT sqrt
-#define SDR_SMALLEST 1e-200
+#define SDR_SMALLEST 1e-18
 #define SDR_ABS fabs
 #define SDR_FMA SDR_FMA_double
 #define SDR_SUM(unit, sum, f) ((unit) * (sum) + (f))
@@ -243,7 +243,7 @@ SDR_INLINE float mended(float rest, float phi)
 #define SDR_WIDE(sum) ((double)(sum))
 #define SDR_NAMED(name) name##_float
 #define SDR_SQRT sqrtf
-#define SDR_SMALLEST 1e-30f
+#define SDR_SMALLEST 1e-9f
 #define SDR_ABS fabsf
 #define SDR_FMA SDR_FMA_float
 #define SDR_FORCE_UNIT(body) ((body)->force_unit)

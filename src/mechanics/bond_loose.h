@@ -99,7 +99,8 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
       square = SDR_FMA_double(xz, xz, square);
     }
     const double present = square + grown, length = sqrt(square);
-    const double now = sqrt(present > 1e-200 ? present : 1e-200); /* l = 0: no direction */
+    /* l = 0: no direction; below rounding neither */
+    const double now = sqrt(present > 1e-18 * square ? present : 1e-18 * square);
     const double wij = same ? loose->shared_weight : loose->weight_ij[slot];
     const double wji = same ? loose->shared_weight : loose->weight_ji[slot];
     const sdr_loose_pair pair = {grown,

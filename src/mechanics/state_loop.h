@@ -44,7 +44,7 @@ typedef struct {
 SDR_INLINE sdr_state_stretch sdr_state_stretch_of(double z)
 {
   const double square = 1.0 + z;
-  const double r = sqrt(square > 1e-200 ? square : 1e-200); /* l = 0: no direction, no force */
+  const double r = sqrt(square > 1e-18 ? square : 1e-18); /* l = 0 but for rounding: no force */
   const double rough = r - 1.0;
   return (sdr_state_stretch){rough + 0.5 * (z - rough * (rough + 2.0)), r};
 }

@@ -40,11 +40,44 @@ static void a_step_above_the_limit_is_stopped_by_its_energy_with_time_and_point(
   assert_false(exists("out/bar/summary.json"));
 }
 
+/* Bonds of an unstable body break with more than they took: the books balance by a dissipation
+   below zero. */
+static void energy_from_bonds_that_break_is_told_too(void **state)
+{
+  (void)state;
+  said s;
+  write_text("noise.yaml",
+             "dimension: plane_stress\n"
+             "points: {shape: {box: {size: [20 mm, 20 mm]}}, spacing: 1 mm, align: cell}\n"
+             "material: {young: 210 GPa, density: 7850 kg/m^3, toughness: 2e4 J/m^2}\n"
+             "damage: {law: critical_stretch}\n"
+             "initial: {velocity: [\"5 m/s * sin(x*y/(20 mm^2))\", "
+             "\"3 m/s * cos(7*x/(1 mm))\"]}\n"
+             "time: {step: 0.44 us, allow_unstable: true, end: 100 us}\n"
+             "output: {snapshots: 0}\n");
+  shell(&s, "sunder run noise.yaml --quiet");
+  assert_int_equal(s.code, 2);
+  assert_non_null(strstr(s.err, "of its energy came from nowhere"));
+}
+
+static void energies_that_are_no_numbers_stop_the_run(void **state)
+{
+  (void)state;
+  said s;
+  write_text("bar.yaml", scene);
+  shell(&s, "sunder run bar.yaml --quiet --set material.toughness=2e300");
+  assert_int_equal(s.code, 2);
+  assert_non_null(strstr(s.err, "sunder: the run's energy is no number at t = "));
+  assert_false(exists("out/bar/summary.json"));
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_sound_step_under_a_sudden_load_is_not_stopped),
       cmocka_unit_test(a_step_above_the_limit_is_stopped_by_its_energy_with_time_and_point),
+      cmocka_unit_test(energy_from_bonds_that_break_is_told_too),
+      cmocka_unit_test(energies_that_are_no_numbers_stop_the_run),
   };
   return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
