@@ -4,6 +4,7 @@
 #include "base/small.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 void sdr_mesh_clear(sdr_mesh *mesh)
@@ -14,6 +15,53 @@ void sdr_mesh_clear(sdr_mesh *mesh)
   sdr_free(mesh->element);
   sdr_free(mesh->x);
   *mesh = (sdr_mesh){0};
+}
+
+/* ---- doubles --------------------------------------------------------------------------------- */
+
+/* An element's corners in rising order, and which element it is. */
+typedef struct {
+  int32_t corner[8];
+  int64_t element;
+} sorted;
+
+static int by_corners(const void *left, const void *right)
+{
+  const sorted *a = left, *b = right;
+  for (int k = 0; k < 8; ++k)
+    if (a->corner[k] != b->corner[k]) return a->corner[k] < b->corner[k] ? -1 : 1;
+  return a->element < b->element ? -1 : a->element > b->element;
+}
+
+static void sort_corners(const sdr_mesh_element *element, int64_t index, sorted *out)
+{
+  out->element = index;
+  for (int k = 0; k < 8; ++k) {
+    const int32_t node = k < element->corners ? element->corner[k] : INT32_MAX;
+    int place = k;
+    for (; place > 0 && out->corner[place - 1] > node; --place)
+      out->corner[place] = out->corner[place - 1];
+    out->corner[place] = node;
+  }
+}
+
+sdr_status sdr_mesh_drop_doubles(sdr_mesh *mesh, int64_t first)
+{
+  const int64_t count = mesh->element_count - first;
+  sorted *list = sdr_alloc((size_t)count, sizeof *list);
+  if (!list) return SDR_RUN_FAILED;
+  for (int64_t k = 0; k < count; ++k) sort_corners(&mesh->element[first + k], k, &list[k]);
+  qsort(list, (size_t)count, sizeof *list, by_corners);
+  for (int64_t k = 1; k < count; ++k)
+    if (memcmp(list[k].corner, list[k - 1].corner, sizeof list[k].corner) == 0)
+      mesh->element[first + list[k].element].corners = 0;
+  mesh->element_count = first;
+  for (int64_t k = 0; k < count; ++k) {
+    const sdr_mesh_element element = mesh->element[first + k];
+    if (element.corners > 0) mesh->element[mesh->element_count++] = element;
+  }
+  sdr_free(list);
+  return SDR_OK;
 }
 
 /* ---- elements -------------------------------------------------------------------------------- */

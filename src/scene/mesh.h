@@ -42,6 +42,10 @@ sdr_status sdr_mesh_read(const char *path, const char *text, size_t length,
                          const sdr_import_how *how, sdr_mesh *mesh);
 void sdr_mesh_clear(sdr_mesh *mesh);
 
+/* Of elements from `first` on with the same corners leave the first one only: older files repeat
+   an element for each group that holds it. */
+sdr_status sdr_mesh_drop_doubles(sdr_mesh *mesh, int64_t first);
+
 /* The points at the centroids of the body's elements, each with its element's measure; or at the
    nodes, among whose corners each element's measure is divided equally. Groups of the body's
    dimension hold the points of their elements, those of one less are faces. */

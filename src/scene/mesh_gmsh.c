@@ -213,6 +213,7 @@ static sdr_status read_entity(reader *r, int dimension, int tag, sdr_mesh_entity
   r->gmsh.Free(tag_counts);
   r->gmsh.Free(nodes);
   r->gmsh.Free(node_counts);
+  if (status == SDR_OK) status = sdr_mesh_drop_doubles(r->mesh, entity->first);
   entity->last = r->mesh->element_count;
   return status;
 }

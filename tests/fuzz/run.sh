@@ -6,13 +6,13 @@
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.."
 (($# >= 2)) || {
-  echo "usage: tests/fuzz/run.sh BUILD_FOLDER SECONDS [scene|formula|table|history|checkpoint ...]" >&2
+  echo "usage: tests/fuzz/run.sh BUILD_FOLDER SECONDS [scene|formula|table|import|history|checkpoint ...]" >&2
   exit 1
 }
 folder=$PWD/$1
 seconds=$2
 shift 2
-(($# > 0)) || set -- scene formula table history checkpoint
+(($# > 0)) || set -- scene formula table import history checkpoint
 
 # seeds TARGET: put first inputs into seeds/TARGET and words to insert into TARGET.dict.
 seeds() {
@@ -35,6 +35,11 @@ seeds() {
     table)
       printf '# a comment\nt,u\n0, 1.5\n1,2\n\n2.5,-3e-7\n' >seeds/table/three
       printf 'n,u , t\r\n1,2,3\r\n1,2,4' >seeds/table/turned
+      ;;
+    import)
+      printf '# plane\nx [mm],y,volume [mm^3],region\n0,0,1,a\n1,2.5e-3,1,a b\n' >seeds/import/plane
+      printf 'x,y,z,spacing,horizon,note\r\n0,0,0,1,3,-\r\n1,0,0,1,3,n' >seeds/import/solid
+      printf '"%s"\n' x y z volume spacing horizon region note '[mm]' '(m^3)' ',' >import.dict
       ;;
     history)
       printf 'time,kinetic,grip.reaction.x\n0,1,2\n1e-7,2.5,nan\n2e-7,inf,-3\n' >seeds/history/three

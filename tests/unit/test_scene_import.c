@@ -375,6 +375,42 @@ static void test_solid_elements_measure_what_they_should(void **state)
   assert_near(middle[1], 0.25);
 }
 
+static void test_elements_that_a_file_repeats_count_once(void **state)
+{
+  (void)state;
+  sdr_mesh_element list[] = {{2, 3, {9, 9, 9}},    {2, 3, {9, 9, 9}}, {2, 3, {0, 1, 4}},
+                             {2, 4, {0, 1, 4, 3}}, {2, 3, {4, 0, 1}}, {2, 3, {0, 1, 3}},
+                             {2, 4, {0, 1, 4, 3}}};
+  sdr_mesh mesh = {.element_count = 7, .element = list};
+  assert_int_equal(sdr_mesh_drop_doubles(&mesh, 2), SDR_OK);
+  assert_int_equal(mesh.element_count, 5);
+  assert_int_equal(list[2].corner[0], 0);
+  assert_int_equal(list[3].corners, 4);
+  assert_int_equal(list[4].corner[2], 3);
+}
+
+/* A cube of one hexahedron: its top is one quadrilateral, so two triangles. */
+static void test_faces_of_solid_elements_are_triangles_with_normals_out_of_the_body(void **state)
+{
+  (void)state;
+  static double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                           {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  sdr_mesh_element list[] = {{3, 8, {0, 1, 2, 3, 4, 5, 6, 7}}, {2, 4, {4, 7, 6, 5}}};
+  sdr_mesh_entity parts[] = {{3, 0, 1}, {2, 1, 2}};
+  int second[] = {1};
+  sdr_mesh_group top[] = {{"top", 2, 1, second}};
+  const sdr_mesh mesh = {8, &x[0][0], 2, list, 2, parts, 1, top};
+  const sdr_import_how how = {.components = 3, .unit = 1.0};
+  sdr_store *store = sdr_store_create();
+  sdr_import *at = NULL;
+  assert_int_equal(sdr_mesh_points(store, "p", &mesh, &how, &at), SDR_OK);
+  const sdr_tree *facets = at->group[0].facets;
+  assert_int_equal(facets->count, 2);
+  for (int k = 0; k < 2; ++k) assert_near(facets->normal[3 * k + 2], 1.0);
+  assert_near(sdr_tree_nearest(facets, (double[3]){0.3, 0.9, 0.5}, NULL), 0.5);
+  sdr_store_destroy(&store);
+}
+
 /* ---- the tree -------------------------------------------------------------------------------- */
 
 static void test_the_tree_finds_what_a_search_of_all_finds(void **state)
@@ -455,6 +491,8 @@ int main(void)
       cmocka_unit_test(test_faces_of_a_mesh_have_normals_out_of_the_body),
       cmocka_unit_test(test_meshes_that_make_no_body_are_refused),
       cmocka_unit_test(test_solid_elements_measure_what_they_should),
+      cmocka_unit_test(test_elements_that_a_file_repeats_count_once),
+      cmocka_unit_test(test_faces_of_solid_elements_are_triangles_with_normals_out_of_the_body),
       cmocka_unit_test(test_the_tree_finds_what_a_search_of_all_finds),
       cmocka_unit_test(test_distances_from_triangles_are_to_plane_edge_or_corner),
       cmocka_unit_test(test_memory_that_runs_out_leaves_nothing_behind),
