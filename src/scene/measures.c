@@ -42,7 +42,7 @@ static const char *const quantity_names[] = {"kinetic",
                                              "broken_bonds",
                                              "reaction",
                                              NULL};
-enum { ENERGY_QUANTITIES = 7, REACTION = 12 }; /* energies come first; most others are numbers */
+enum { ENERGY_QUANTITIES = 8, REACTION = 13 }; /* energies come first; most others are numbers */
 
 static const char *const kinds[] = {"value", "mean",     "min",       "max",
                                     "sum",   "l2_error", "max_error", NULL};
