@@ -170,6 +170,20 @@ static void test_files_that_hold_no_body_are_refused(void **state)
               ": there is no $EndNodes: the file is cut off or holds no mesh; save it again");
 }
 
+/* With Gmsh's library an empty mesh is told from a whole one, without it what to install is said.
+ */
+static void test_a_mesh_is_read_through_gmsh_or_it_is_said_what_is_missing(void **state)
+{
+  (void)state;
+  const char *message =
+      ": this build of Sunder cannot read meshes: Gmsh's library was missing; install it (Debian: "
+      "apt-get install libgmsh-dev), remove the build folder and build again";
+  refuse_file("p.msh",
+              "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n"
+              "$Elements\n0 0 0 0\n$EndElements\n",
+              sdr_import_has_gmsh() ? ": 0 nodes; allowed: 1 to 2147483639" : message);
+}
+
 static uint64_t hash_of(const char *name, const char *text)
 {
   char path[64];
@@ -483,6 +497,7 @@ int main(void)
       cmocka_unit_test(test_volume_follows_from_spacing),
       cmocka_unit_test(test_what_is_wrong_with_a_table_is_said_with_its_line),
       cmocka_unit_test(test_files_that_hold_no_body_are_refused),
+      cmocka_unit_test(test_a_mesh_is_read_through_gmsh_or_it_is_said_what_is_missing),
       cmocka_unit_test(test_a_scenes_hash_tells_what_the_file_holds_and_not_where_it_lies),
       cmocka_unit_test(test_scenes_that_misname_imported_places_are_told_what_there_is),
       cmocka_unit_test(test_groups_of_a_table_are_regions),
