@@ -50,6 +50,56 @@ static inline share share_of(const sdr_bond_body *body, int32_t i, int32_t j, do
   return (share){half * (left_i * ci + left_j * cj), at_i.damage, at_j.damage};
 }
 
+enum { PIECE = 128 };
+
+/* The same of consecutive pairs of a run of laws without softening, which vectorises. */
+static void add_sound_piece(const state_call *call, const sdr_bond_run *run, int32_t first,
+                            int32_t length)
+{
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_bond_class *class = &body->bonds->classes[run->class_index];
+  const double wi = class->weight_ij * class->length, wj = class->weight_ji * class->length;
+  const int32_t i0 = run->i0 + first, j0 = run->j0 + first;
+  const sdr_flags *flags = body->flags ? body->flags + run->slot + first : NULL;
+  const double *volume = body->points->volume;
+  double z[PIECE] = {0.0}, energy[PIECE], at_i[PIECE], at_j[PIECE];
+  for (int a = 0; a < body->points->components; ++a) {
+    const double *u = call->u[a];
+    const double twice = 2.0 * class->xi[a];
+    for (int32_t k = 0; k < length; ++k) {
+      const double eta = u[j0 + k] - u[i0 + k];
+      z[k] += (twice + eta) * eta;
+    }
+  }
+  for (int32_t k = 0; k < length; ++k) {
+    const sdr_flags f = flags ? flags[k] : 0;
+    const double zk = z[k] * class->inverse_square, root = 1.0 + zk > 0.0 ? 1.0 + zk : 0.0;
+    const double s = zk / (1.0 + sqrt(root));
+    const double ci = body->stiffness_at ? body->stiffness_at[i0 + k] : body->stiffness;
+    const double cj = body->stiffness_at ? body->stiffness_at[j0 + k] : body->stiffness;
+    const double left_i = f & SDR_LOST_I ? 0.0 : wi, left_j = f & SDR_LOST_J ? 0.0 : wj;
+    energy[k] = 0.25 * s * s * (ci * left_i + cj * left_j);
+    at_i[k] = (f & (SDR_CUT | SDR_LOST_I)) == SDR_LOST_I ? volume[j0 + k] : 0.0;
+    at_j[k] = (f & (SDR_CUT | SDR_LOST_J)) == SDR_LOST_J ? volume[i0 + k] : 0.0;
+  }
+  for (int32_t k = 0; k < length; ++k) {
+    call->energy[i0 + k] += energy[k];
+    call->damage[i0 + k] += at_i[k];
+    call->volume[i0 + k] += volume[j0 + k];
+  }
+  for (int32_t k = 0; k < length; ++k) {
+    call->energy[j0 + k] += energy[k];
+    call->damage[j0 + k] += at_j[k];
+    call->volume[j0 + k] += volume[i0 + k];
+  }
+}
+
+static void add_sound_run(const state_call *call, const sdr_bond_run *run)
+{
+  for (int32_t k = 0; k < run->length; k += PIECE)
+    add_sound_piece(call, run, k, run->length - k < PIECE ? run->length - k : PIECE);
+}
+
 static void add_run(const state_call *call, const sdr_bond_run *run)
 {
   const sdr_bond_body *body = &call->model->body;
@@ -94,9 +144,14 @@ static void add_stripe(void *context, int s)
   const state_call *call = context;
   const sdr_points *points = call->model->head.points;
   const sdr_bonds *bonds = call->model->bonds;
-  if (!sdr_stripe_rests(call->model, s))
-    for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
+  const int softens = sdr_law_softens((int)call->model->body.law);
+  const int64_t end = sdr_stripe_rests(call->model, s) ? 0 : bonds->stripe_run[s + 1];
+  for (int64_t r = bonds->stripe_run[s]; r < end; ++r) {
+    if (softens)
       add_run(call, &bonds->runs[r]);
+    else
+      add_sound_run(call, &bonds->runs[r]);
+  }
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
       sdr_bonds_visit_loose_point(bonds, i, add_loose, context);

@@ -115,7 +115,9 @@ void sdr_read_family(sdr_reading *rd)
   read_weight(rd, map);
   read_calibration(rd, map);
   sdr_read_flag(rd->reader, map, "dual", "true", &dual);
-  sdr_read_flag(rd->reader, map, "balance", "true", &rd->scene->balance);
+  /* each split of points would have to find the weights again */
+  const char *balance = rd->scene->points.adapt ? "false" : "true";
+  sdr_read_flag(rd->reader, map, "balance", balance, &rd->scene->balance);
   rd->scene->one_sided = !dual;
   sdr_read_done(rd->reader, map);
 }
