@@ -59,7 +59,7 @@ static void read_tip(sdr_reading *rd, sdr_node *item, sdr_crack_tip *tip)
     sdr_read_error(r, item->key_origin, "the name of a tip has at most %d letters", LONGEST_NAME);
   snprintf(tip->name, sizeof tip->name, "%s", item->key);
   for (int k = 0; k < SDR_CRACK_FIGURES; ++k)
-    snprintf(tip->figure[k], sizeof tip->figure[k], "%.*s_%s", LONGEST_NAME, tip->name,
+    snprintf(tip->figure[k], sizeof tip->figure[k], "%.*s_%s", LONGEST_NAME, item->key,
              sdr_crack_figure_words[k]);
   if (!sdr_read_is(r, item, SDR_MAPPING, "the tip of a notch, {start: [50 mm, 0]}")) return;
   sdr_read_vector(r, item, "start", SDR_ANY_VALUE(SDR_LENGTH), NULL, tip->start);
