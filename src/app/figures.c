@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { EVERY_RUN = 13 };
+enum { EVERY_RUN = 15 };
 
 static const char *const names[EVERY_RUN] = {
-    "onset_time",      "imbalance",        "imbalance_largest", "through_cracks", "sectors",
-    "fragments",       "largest_share",    "dissipated",        "damage_max",     "damage_mean",
-    "momentum_linear", "momentum_angular", "time_end"};
+    "onset_time", "imbalance",           "imbalance_largest", "through_cracks",
+    "sectors",    "fragments",           "largest_share",     "dissipated",
+    "damage_max", "damage_mean",         "momentum_linear",   "momentum_angular",
+    "time_end",   "fragments_effective", "contact_closest"};
 
 static void fill_in(const sdr_summary *s, const sdr_ring_counts *ring, sdr_measured *measured)
 {
@@ -28,7 +29,9 @@ static void fill_in(const sdr_summary *s, const sdr_ring_counts *ring, sdr_measu
       s->damage_mean,
       s->books.linear_residual,
       s->books.angular_residual,
-      s->time_end};
+      s->time_end,
+      s->fragments_known ? s->fragments.effective : (double)NAN,
+      s->contact_closest};
   for (int k = 0; k < EVERY_RUN; ++k) measured[k].value = values[k];
 }
 

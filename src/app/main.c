@@ -3,6 +3,7 @@
 #include "app/compare.h"
 #include "app/find_scene.h"
 #include "app/plot.h"
+#include "app/plot_view.h"
 #include "app/run.h"
 #include "base/parallel.h"
 #include "mechanics/bond_body.h"
@@ -29,9 +30,12 @@ static const char usage[] =
     "      what would run: points, bonds, stable step, memory, constants, defaults\n"
     "  sunder problems\n"
     "      the scenes that come with Sunder, one line each\n"
-    "  sunder plot DIR [--field NAME] [--time T] [-o FILE.png]\n"
+    "  sunder plot DIR [--field NAME] [--time T] [--deformed FACTOR] [--slice PLANE]\n"
+    "              [--movie] [-o FILE]\n"
     "      pictures of a run: a field (damage by default) and the energies over time;\n"
-    "      T may carry a unit, as in --time \"45 us\"\n"
+    "      T may carry a unit, as in --time \"45 us\"; --deformed moves points by FACTOR times\n"
+    "      their displacement; a solid body shows a slice besides, as in --slice \"z=2 mm\"\n"
+    "      (none: no slice); --movie draws all frames\n"
     "  sunder compare DIR_A DIR_B [-o FILE.png]\n"
     "      two runs side by side: a table and a picture\n"
     "  sunder --help | --version\n"
@@ -45,9 +49,9 @@ static const char usage[] =
 typedef struct {
   const char *arguments[2]; /* SCENE or directories */
   int argument_count;
-  const char *output, *variant, *resume, *field, *time, *threads, *isa;
+  const char *output, *variant, *resume, *field, *time, *threads, *isa, *deformed, *slice;
   const char *sets[MOST_SETS];
-  int set_count, quiet;
+  int set_count, quiet, movie;
 } command_line;
 
 typedef struct {
@@ -70,6 +74,8 @@ static const char **value_of(command_line *line, const char *option)
   if (strcmp(option, "--time") == 0) return &line->time;
   if (strcmp(option, "--threads") == 0) return &line->threads;
   if (strcmp(option, "--isa") == 0) return &line->isa;
+  if (strcmp(option, "--deformed") == 0) return &line->deformed;
+  if (strcmp(option, "--slice") == 0) return &line->slice;
   if (strcmp(option, "--set") == 0 && line->set_count < MOST_SETS)
     return &line->sets[line->set_count];
   return NULL;
@@ -94,6 +100,10 @@ static sdr_status read_option(const command_entry *command, int count, char **wo
                     command->name, option, command->options);
   if (strcmp(word, "--quiet") == 0) {
     line->quiet = 1;
+    return SDR_OK;
+  }
+  if (strcmp(word, "--movie") == 0) {
+    line->movie = 1;
     return SDR_OK;
   }
   const char **value = value_of(line, option);
@@ -138,17 +148,33 @@ static sdr_status read_threads(const char *text, int *threads)
   return SDR_OK;
 }
 
-static sdr_status read_time(const char *text, double *time)
+/* A number that may carry a unit, the value of `option`. */
+static sdr_status read_quantity(const char *option, const char *text, sdr_unit unit, double *out)
 {
-  static const sdr_unit second = {.s = 1};
   static const double nowhere[3] = {0.0};
   sdr_expression *expression = NULL;
-  if (!text) return SDR_OK;
-  if (sdr_expression_create(text, second, NULL, NULL, &expression) != SDR_OK)
-    return sdr_fail(SDR_BAD_INPUT, "--time '%s': column %s", text, sdr_error_message());
-  const sdr_status status = sdr_expression_value(expression, nowhere, 0.0, time);
+  if (sdr_expression_create(text, unit, NULL, NULL, &expression) != SDR_OK)
+    return sdr_fail(SDR_BAD_INPUT, "%s '%s': column %s", option, text, sdr_error_message());
+  const sdr_status status = sdr_expression_value(expression, nowhere, 0.0, out);
   sdr_expression_destroy(&expression);
   return status;
+}
+
+static sdr_status read_time(const char *text, double *time)
+{
+  return text ? read_quantity("--time", text, (sdr_unit){.s = 1}, time) : SDR_OK;
+}
+
+/* "z=2 mm", "none". */
+static sdr_status read_slice(const char *text, sdr_plot_options *options)
+{
+  if (!text) return SDR_OK;
+  options->slice_axis = SDR_SLICE_NONE;
+  if (strcmp(text, "none") == 0) return SDR_OK;
+  if (text[0] < 'x' || text[0] > 'z' || text[1] != '=')
+    return sdr_fail(SDR_BAD_INPUT, "--slice '%s': give a plane, like z=2 mm, or none", text);
+  options->slice_axis = text[0] - 'x' + 1;
+  return read_quantity("--slice", text + 2, (sdr_unit){.m = 1}, &options->slice_at);
 }
 
 /* ---- commands -------------------------------------------------------------------------------- */
@@ -188,8 +214,12 @@ static sdr_status plot(const command_line *line)
   sdr_plot_options options = {.directory = line->arguments[0],
                               .field = line->field,
                               .time = (double)NAN,
+                              .movie = line->movie,
                               .png = line->output};
   SDR_TRY(read_time(line->time, &options.time));
+  SDR_TRY(read_slice(line->slice, &options));
+  if (line->deformed)
+    SDR_TRY(read_quantity("--deformed", line->deformed, (sdr_unit){0}, &options.deformed));
   return sdr_plot(&options, stdout);
 }
 
@@ -202,7 +232,7 @@ static const command_entry commands[] = {
     {"run", 1, " -o --set --variant --threads --resume --isa --quiet ", "a scene", run},
     {"check", 1, " --set --variant ", "a scene", check},
     {"problems", 0, " ", "nothing", problems},
-    {"plot", 1, " --field --time -o ", "the directory of a run", plot},
+    {"plot", 1, " --field --time --deformed --slice --movie -o ", "the directory of a run", plot},
     {"compare", 2, " -o ", "the directories of two runs", compare}};
 
 static sdr_status call_command(int count, char **words)

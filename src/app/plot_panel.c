@@ -114,8 +114,9 @@ static void draw_compass(sdr_picture *picture, sdr_area area, const sdr_window *
   sdr_picture_text(picture, 0.5 * (left + right), y + picture->font, "center", 1.0, 400, text);
 }
 
-sdr_status sdr_panel_body(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
-                          const sdr_plot_field *field, int dimension)
+/* names: of the components to the right and up; NULL: a solid body, seen obliquely. */
+static sdr_status draw_raster(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
+                              const sdr_plot_field *field, const char *const names[2])
 {
   unsigned char *rgba = coloured(raster, field);
   if (!rgba) return SDR_RUN_FAILED;
@@ -129,19 +130,32 @@ sdr_status sdr_panel_body(sdr_picture *picture, sdr_area area, const sdr_raster 
     y[c] *= prefix.scale;
   }
   sdr_picture_place(picture, area);
-  if (dimension == 3) {
+  if (names) {
+    char below[64], beside[64];
+    sdr_axis_label(names[0], "m", prefix, below, sizeof below);
+    sdr_axis_label(names[1], "m", prefix, beside, sizeof beside);
+    name_axes(picture, area, below, beside);
+  } else {
     fputs("unset border\n", picture->script);
     draw_compass(picture, area, window);
-  } else {
-    char below[64], beside[64];
-    sdr_axis_label("x", "m", prefix, below, sizeof below);
-    sdr_axis_label("y", "m", prefix, beside, sizeof beside);
-    name_axes(picture, area, below, beside);
   }
   sdr_picture_image(picture, window->width, window->height, x, y, rgba);
   sdr_picture_clear_axes(picture);
   sdr_free(rgba);
   return SDR_OK;
+}
+
+sdr_status sdr_panel_body(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
+                          const sdr_plot_field *field, int dimension)
+{
+  static const char *const plane[2] = {"x", "y"};
+  return draw_raster(picture, area, raster, field, dimension == 3 ? NULL : plane);
+}
+
+sdr_status sdr_panel_slice(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
+                           const sdr_plot_field *field, const char *const names[2])
+{
+  return draw_raster(picture, area, raster, field, names);
 }
 
 typedef struct {

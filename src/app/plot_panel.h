@@ -20,6 +20,10 @@ void sdr_panel_subtitle(const sdr_rundata *run, int frame, char *text, size_t ro
 sdr_status sdr_panel_body(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
                           const sdr_plot_field *field, int dimension);
 
+/* A slice of a solid body, whose axes have these names. */
+sdr_status sdr_panel_slice(sdr_picture *picture, sdr_area area, const sdr_raster *raster,
+                           const sdr_plot_field *field, const char *const names[2]);
+
 /* A body in one dimension: the field as a line over x; x[2] is the range (m). */
 sdr_status sdr_panel_line(sdr_picture *picture, sdr_area area, const sdr_rundata *run,
                           const sdr_plot_field *field, const double x[2]);

@@ -15,6 +15,7 @@
 #include "output/ledger.h"
 #include "output/measures.h"
 #include "output/onset.h"
+#include "output/pieces.h"
 #include "output/progress.h"
 #include "output/runaway.h"
 #include "output/rundir.h"
@@ -232,7 +233,7 @@ static sdr_status find_pieces(const run *r, sdr_summary *summary, sdr_ring_count
   sdr_system *system = r->built.system;
   if (output->fragments) {
     SDR_TRY(
-        sdr_fragments_find(r->built.system, output->fragment_threshold, NULL, &summary->fragments));
+        sdr_pieces_write(r->directory, system, output->fragment_threshold, &summary->fragments));
     summary->fragments_known = 1;
   }
   ring->known = output->ring;
@@ -313,8 +314,11 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
   if (r->onset && isnan(s->onset_time)) fprintf(out, "onset of damage     never\n");
   if (!isnan(s->onset_time)) fprintf(out, "onset of damage     %.4g us\n", s->onset_time * 1e6);
   if (s->fragments_known)
-    fprintf(out, "fragments           %d, the largest with %.3g %% of the points\n",
-            (int)s->fragments.count, 100.0 * (double)s->fragments.largest / (double)s->points);
+    fprintf(
+        out,
+        "fragments           %d, the largest with %.3g %% of the points; like %.3g equal ones\n",
+        (int)s->fragments.count, 100.0 * (double)s->fragments.largest / (double)s->points,
+        s->fragments.effective);
   if (ring->known)
     fprintf(out, "through-cracks      %d; sectors that have come apart: %d\n", (int)ring->cracks,
             (int)ring->sectors);
@@ -340,6 +344,14 @@ static void list_resting(run *r)
   snprintf(r->resting, sizeof r->resting, "regions at rest: nothing reached %.0f %% of the stripes",
            100.0 * (1.0 - moved));
   built->skipped[built->skipped_count++] = r->resting;
+}
+
+static double closest_contact(const sdr_contact *contact)
+{
+  sdr_contact_state state;
+  if (!contact) return (double)NAN;
+  sdr_contact_look(contact, &state);
+  return state.closest;
 }
 
 static sdr_status summarise(run *r, FILE *out)
@@ -368,6 +380,7 @@ static sdr_status summarise(run *r, FILE *out)
                          .time_end = built->system->time,
                          .stable_step = built->stable_step,
                          .books = sdr_ledger_books(r->ledger),
+                         .contact_closest = closest_contact(built->contact),
                          .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
                          .cracks = r->cracks ? sdr_crack_tips_reports(r->cracks) : NULL,
                          .skipped = built->skipped,

@@ -167,7 +167,8 @@ sdr_status sdr_fragments_find(sdr_system *system, double threshold, int32_t *pie
   order_parts(&trees, system->count, parts, slot, &count);
   for (int32_t i = 0; piece && i < system->count; ++i) piece[i] = slot[find(&trees, i, &unused)];
   for (int32_t k = 0; k < count; ++k) single += parts[k].size == 1;
-  *out = (sdr_fragments){count, count > 0 ? parts[0].size : 0, single};
+  *out =
+      (sdr_fragments){.count = count, .largest = count > 0 ? parts[0].size : 0, .single = single};
   status = SDR_OK;
 done:
   sdr_free(slot);

@@ -8,6 +8,7 @@
 /* count: how many pieces; largest: points in the largest; single: pieces of one point only. */
 typedef struct {
   int32_t count, largest, single;
+  double effective; /* 1 over the sum of squares of the mass shares; 0: not known (pieces.h) */
 } sdr_fragments;
 
 /* piece: points->count numbers out, or NULL; pieces are numbered 0.. by falling size, equal ones by

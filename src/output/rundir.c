@@ -16,7 +16,7 @@
 /* summary.json is the mark of a complete run. */
 static const char *const names[] = {"summary.json",   "history.csv",   "snapshots.h5",
                                     "snapshots.xdmf", "checkpoint.h5", "used.yaml",
-                                    "cracks.csv"};
+                                    "cracks.csv",     "fragments.csv"};
 enum { NAMES = sizeof names / sizeof *names };
 
 static sdr_status join(const char *directory, const char *name, const char *ending, char *path)

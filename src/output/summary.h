@@ -45,6 +45,7 @@ typedef struct {
   double damage_max, damage_mean; /* of the points' damage field */
   int fragments_known;
   sdr_fragments fragments;
+  double contact_closest; /* of pieces that touched, over where they began to; NAN: no contact */
   const sdr_crack_report *cracks; /* of the scene's tips; NULL: none were followed */
   const char *const *skipped;     /* one line each: what was skipped and why */
   int skipped_count;

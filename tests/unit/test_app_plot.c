@@ -20,7 +20,8 @@ static void assert_close(double value, double expected, double tolerance)
 static sdr_status plot(const char *directory, const char *field, double time, const char *png,
                        char *printed, size_t room)
 {
-  const sdr_plot_options options = {directory, field, time, png};
+  const sdr_plot_options options = {
+      .directory = directory, .field = field, .time = time, .png = png};
   char *text = NULL;
   size_t length = 0;
   FILE *out = open_memstream(&text, &length);
