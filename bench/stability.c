@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -111,7 +112,7 @@ static sdr_status run_here(const study *s, const stress_sweep *sweep, int varian
 static void child(const study *s, const stress_sweep *sweep, int variant, double level, int pipe)
 {
   outcome o = {.error = (double)NAN};
-  alarm(MOST_SECONDS);
+  setrlimit(RLIMIT_CPU, &(struct rlimit){MOST_SECONDS, MOST_SECONDS + 5});
   if (!freopen("/dev/null", "w", stderr)) _exit(1);
   o.status = (int)run_here(s, sweep, variant, level, &o);
   if (o.status != SDR_OK) snprintf(o.message, sizeof o.message, "%s", sdr_error_message());
@@ -144,7 +145,7 @@ static sdr_status run_case(const study *s, const stress_sweep *sweep, int varian
   waitpid(pid, &ended, 0);
   if (!whole) {
     *o = (outcome){.status = -1, .error = (double)NAN, .verdict = CRASHED};
-    if (WIFSIGNALED(ended) && WTERMSIG(ended) == SIGALRM) o->verdict = SLOW;
+    if (WIFSIGNALED(ended) && WTERMSIG(ended) == SIGXCPU) o->verdict = SLOW;
     snprintf(o->message, sizeof o->message, "ended by signal %d",
              WIFSIGNALED(ended) ? WTERMSIG(ended) : 0);
     return SDR_OK;
@@ -327,7 +328,8 @@ int main(int count, char **words)
     return (int)status;
   }
   const int bad = count_bad(&s);
-  printf("\n*: not accurate. %d case%s failed without saying so, crashed or took over %d s\n%s\n"
+  printf("\n*: not accurate. %d case%s failed without saying so, crashed or took over %d s of "
+         "processor time\n%s\n"
          "%s/stability.csv%s\n",
          bad, bad == 1 ? "" : "s", (int)MOST_SECONDS, bench_origin(), s.directory,
          count < 2 ? " and .png" : "");
