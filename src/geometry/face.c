@@ -1,4 +1,4 @@
-#include "geometry/face.h"
+#include "geometry/face_internal.h"
 
 #include "base/small.h"
 #include "geometry/shape.h"
@@ -9,14 +9,6 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-enum { FACE_NAMES = 6, ROUND_INNER = 0, ROUND_OUTER, ROUND_BOTTOM, ROUND_TOP, ROUND_ENDS };
-
-/* A face of one primitive; flip: the primitive is taken away, so its normals turn round. */
-typedef struct {
-  const sdr_shape *shape;
-  int index, flip;
-} face;
 
 static const char *const *face_names(sdr_shape_kind kind)
 {
@@ -64,21 +56,20 @@ static int has_extent(const sdr_shape *shape, int index)
   }
 }
 
-/* Number of primitives with a face of that name; the first one goes to *found. */
-static int find_face(const sdr_shape *shape, const char *name, int flip, face *found)
+int sdr_face_find(const sdr_shape *shape, const char *name, int flip, sdr_found_face *found)
 {
   int count = 0;
   const char *const *names = face_names(shape->kind);
   for (int k = 0; k < FACE_NAMES && names[k]; ++k) {
     if (strcmp(names[k], name) == 0 && has_extent(shape, k)) {
-      *found = (face){shape, k, flip};
+      *found = (sdr_found_face){shape, k, flip};
       return 1;
     }
   }
   for (int k = 0; k < shape->part_count; ++k) {
-    face inside;
+    sdr_found_face inside;
     const int away = shape->kind == SDR_DIFFERENCE && k > 0;
-    const int more = find_face(&shape->parts[k], name, away ? !flip : flip, &inside);
+    const int more = sdr_face_find(&shape->parts[k], name, away ? !flip : flip, &inside);
     if (more > 0 && count == 0) *found = inside;
     count += more;
   }
@@ -87,8 +78,8 @@ static int find_face(const sdr_shape *shape, const char *name, int flip, face *f
 
 int sdr_shape_has_face(const sdr_shape *shape, const char *name)
 {
-  face found;
-  return shape && find_face(shape, name, 0, &found) == 1;
+  sdr_found_face found;
+  return shape && sdr_face_find(shape, name, 0, &found) == 1;
 }
 
 /* Whether the list "a, b" holds the word. */
@@ -123,7 +114,7 @@ const char *sdr_shape_faces(const sdr_shape *shape, char *text, int size)
 
 /* What the cutting of one face needs to know. */
 typedef struct {
-  face face;
+  sdr_found_face face;
   const sdr_shape *whole;
   double size;
   sdr_piece_visitor visit;
@@ -405,7 +396,7 @@ sdr_status sdr_face_pieces(const sdr_shape *shape, const char *name, sdr_dimensi
 {
   char names[128];
   cutter cut = {.whole = shape, .size = size, .visit = visit, .context = context};
-  const int count = shape ? find_face(shape, name, 0, &cut.face) : 0;
+  const int count = shape ? sdr_face_find(shape, name, 0, &cut.face) : 0;
   if (count == 0) {
     return sdr_fail(SDR_BAD_INPUT, "no face '%s'; the faces here are: %s", name,
                     sdr_shape_faces(shape, names, (int)sizeof names));
@@ -420,7 +411,7 @@ sdr_status sdr_face_pieces(const sdr_shape *shape, const char *name, sdr_dimensi
   return SDR_OK;
 }
 
-static void box_plane(const face *of, double x[3], double normal[3])
+static void box_plane(const sdr_found_face *of, double x[3], double normal[3])
 {
   const sdr_shape *box = of->shape;
   const int across = of->index / 2, high = of->index % 2;
@@ -438,7 +429,7 @@ static void box_plane(const face *of, double x[3], double normal[3])
   normal[1 - across] = (across == 0 ? sign : -sign) * sin(box->angle);
 }
 
-static void end_plane(const face *of, double x[3], double normal[3])
+static void end_plane(const sdr_found_face *of, double x[3], double normal[3])
 {
   const sdr_shape *shape = of->shape;
   const int top = of->index == ROUND_TOP;
@@ -450,88 +441,12 @@ static void end_plane(const face *of, double x[3], double normal[3])
 
 int sdr_face_plane(const sdr_shape *shape, const char *name, double x[3], double normal[3])
 {
-  face of;
-  if (!shape || find_face(shape, name, 0, &of) != 1) return 0;
+  sdr_found_face of;
+  if (!shape || sdr_face_find(shape, name, 0, &of) != 1) return 0;
   const int end =
       of.shape->kind == SDR_CYLINDER && (of.index == ROUND_BOTTOM || of.index == ROUND_TOP);
   if (of.shape->kind != SDR_BOX && !end) return 0;
   (end ? end_plane : box_plane)(&of, x, normal);
   for (int c = 0; of.flip && c < 3; ++c) normal[c] = 0.0 - normal[c];
   return 1;
-}
-
-/* Distance from the annulus inner <= r <= outer at height z = 0, seen from radius r and height z;
-   a side has inner = outer and reaches from z = low to high. */
-static double round_distance(double r, double z, double inner, double outer, double low,
-                             double high)
-{
-  const double dr = fmax(0.0, fmax(inner - r, r - outer));
-  const double dz = fmax(0.0, fmax(low - z, z - high));
-  return hypot(dr, dz);
-}
-
-static double cylinder_distance(const face *from, const double x[3])
-{
-  const sdr_shape *shape = from->shape;
-  const double low = shape->low[2], high = shape->high[2];
-  const double r = hypot(x[0] - shape->centre[0], x[1] - shape->centre[1]);
-  if (from->index == ROUND_INNER || from->index == ROUND_OUTER) {
-    const double radius = from->index == ROUND_INNER ? shape->inner : shape->outer;
-    return round_distance(r, x[2], radius, radius, low, high);
-  }
-  const double bottom = round_distance(r, x[2], shape->inner, shape->outer, low, low);
-  const double top = round_distance(r, x[2], shape->inner, shape->outer, high, high);
-  if (from->index == ROUND_BOTTOM) return bottom;
-  return from->index == ROUND_TOP ? top : fmin(bottom, top);
-}
-
-static double box_distance(const face *from, int components, const double x[3])
-{
-  const sdr_shape *box = from->shape;
-  const int across = from->index / 2;
-  double local[3], d[3] = {0.0};
-  sdr_box_to_local(box, x, local);
-  for (int c = 0; c < components; ++c) {
-    d[c] = fmax(0.0, fmax(box->low[c] - local[c], local[c] - box->high[c]));
-  }
-  d[across] = local[across] - (from->index % 2 ? box->high[across] : box->low[across]);
-  return sdr_norm3(d);
-}
-
-static double polygon_distance(const sdr_shape *polygon, const double x[3])
-{
-  double distance = HUGE_VAL;
-  for (int k = 0, last = polygon->vertex_count - 1; k < polygon->vertex_count; last = k++) {
-    const double *a = &polygon->vertices[2 * last], *b = &polygon->vertices[2 * k];
-    distance = fmin(distance, sdr_segment_distance(a, b, x));
-  }
-  return distance;
-}
-
-double sdr_face_distance(const sdr_shape *shape, const char *name, sdr_dimension dimension,
-                         const double x[3])
-{
-  face from;
-  if (!shape || find_face(shape, name, 0, &from) != 1) return HUGE_VAL;
-  const sdr_shape *own = from.shape;
-  const double d[3] = {x[0] - own->centre[0], x[1] - own->centre[1], x[2] - own->centre[2]};
-  const double radius = from.index == ROUND_INNER ? own->inner : own->outer;
-  switch (own->kind) {
-  case SDR_BOX:
-    return box_distance(&from, sdr_components(dimension), x);
-  case SDR_DISC:
-    return fabs(hypot(d[0], d[1]) - own->outer);
-  case SDR_ANNULUS:
-    return fabs(hypot(d[0], d[1]) - radius);
-  case SDR_SPHERE:
-    return fabs(sdr_norm3(d) - radius);
-  case SDR_CYLINDER:
-    return cylinder_distance(&from, x);
-  case SDR_POLYGON:
-    return polygon_distance(own, x);
-  case SDR_FACETS:
-    return sdr_tree_nearest(own->group->facets, x, NULL);
-  default:
-    return HUGE_VAL;
-  }
 }

@@ -43,7 +43,7 @@ static int next_line(table *t)
     const char *row = t->at, *last = stop ? stop : t->end;
     t->at = stop ? stop + 1 : t->end;
     ++t->line;
-    while (last > row && memchr(" \t\r", last[-1], 3)) --last;
+    while (last > row && (last[-1] == ' ' || last[-1] == '\t' || last[-1] == '\r')) --last;
     while (row < last && (*row == ' ' || *row == '\t')) ++row;
     if (row == last || *row == '#') continue;
     t->row = row;

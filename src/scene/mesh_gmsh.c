@@ -41,7 +41,7 @@ static sdr_status check_text(const char *path, const char *text, size_t length)
           use(ModelGetPhysicalName) use(ModelMeshGetNodes) use(ModelMeshGetElements)               \
               use(ModelMeshGetElementProperties)
 
-#define GMSH_MEMBER(name) __typeof__(gmsh##name) *name;
+#define GMSH_MEMBER(name) __typeof__(gmsh##name) *(name);
 typedef struct {
   GMSH_FUNCTIONS(GMSH_MEMBER)
 } gmsh_library;
