@@ -172,7 +172,7 @@ static keyed lattice_key(const layout *how, const sdr_points *points, int32_t i)
   uint64_t c[3], n[3];
   for (int a = 0; a < 3; ++a) {
     const int shift = a < points->components ? level : 0;
-    c[a] = (uint64_t)(cell[a] - ((int64_t)how->low[a] << shift));
+    c[a] = (uint64_t)(cell[a] - how->low[a] * ((int64_t)1 << shift));
     n[a] = (uint64_t)how->extent[a] << shift;
   }
   const int s = how->stripe_axis, r = how->row_axis, o = how->other_axis;
