@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct {
@@ -34,7 +35,38 @@ typedef struct {
 static void visit_slot(void *context, const sdr_pair *pair)
 {
   const slot_call *slot = context;
-  if (pair->loose) energies_of_slot(&slot->call->model->body, pair, slot->call->u, slot->sum);
+  energies_of_slot(&slot->call->model->body, pair, slot->call->u, slot->sum);
+}
+
+/* The same of all slots of point i, of laws whose histories are flags: without a call a pair. */
+static void energies_of_flagged(const sdr_bond_body *body, int32_t i, double *const u[3],
+                                sdr_stripe_energies *sum)
+{
+  const sdr_loose *loose = &body->bonds->loose;
+  const int n = body->points->components;
+  const int32_t chunk = i / SDR_LANES;
+  double stored = 0.0;
+  for (int64_t slot = loose->chunk_slot[chunk] + i % SDR_LANES; slot < loose->chunk_slot[chunk + 1];
+       slot += SDR_LANES) {
+    const int32_t j = loose->j[slot];
+    const sdr_flags flags = body->loose_flags ? body->loose_flags[slot] : 0;
+    double z = 0.0, square = 0.0;
+    if (!(loose->weight_ij[slot] > 0.0) || flags & SDR_CUT) continue; /* padding weighs nothing */
+    if (flags & SDR_LOST_I) {
+      ++sum->broken;
+      sum->max_damage = 1.0;
+      continue;
+    }
+    for (int a = 0; a < n; ++a) {
+      const double xi = loose->xi[a][slot], eta = u[a][j] - u[a][i];
+      z += (2.0 * xi + eta) * eta;
+      square += xi * xi;
+    }
+    z /= square;
+    const double s = z / (1.0 + sqrt(1.0 + z > 1e-200 ? 1.0 + z : 1e-200));
+    stored += loose->weight_ij[slot] * sqrt(square) * s * s;
+  }
+  sum->stored += 0.5 * sdr_body_stiffness(body, i) * stored;
 }
 
 /* Loose pairs join any stripes: theirs may not rest. */
@@ -42,8 +74,14 @@ static void energies_of_loose(const energies_call *call, int s, sdr_stripe_energ
 {
   const sdr_bond_model *model = call->model;
   if (!model->body.precise) {
+    const int32_t *stripe = model->head.points->stripe_first;
     slot_call slot = {call, sum};
-    sdr_bonds_visit_stripe(model->bonds, model->head.points, s, visit_slot, &slot);
+    for (int32_t i = stripe[s]; i < stripe[s + 1]; ++i) {
+      if (sdr_law_softens((int)model->body.law))
+        sdr_bonds_visit_loose_point(model->bonds, i, visit_slot, &slot);
+      else
+        energies_of_flagged(&model->body, i, call->u, sum);
+    }
     return;
   }
   int64_t first, end;

@@ -54,6 +54,19 @@ static void add_loose_damage(void *context, const sdr_pair *pair)
   call->sum[0][pair->i] += call->model->head.points->volume[pair->j] * answer.ij.damage;
 }
 
+/* All slots of point i, of laws whose histories are flags. */
+static void add_flagged_damage(const field_call *call, int32_t i)
+{
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_loose *loose = &body->bonds->loose;
+  const int32_t chunk = i / SDR_LANES;
+  if (!body->loose_flags) return;
+  for (int64_t slot = loose->chunk_slot[chunk] + i % SDR_LANES; slot < loose->chunk_slot[chunk + 1];
+       slot += SDR_LANES)
+    if (body->loose_flags[slot] & SDR_LOST_I && loose->weight_ij[slot] > 0.0)
+      call->sum[0][i] += body->points->volume[loose->j[slot]];
+}
+
 /* Pairs of runs, which explicit bodies have a kernel for. */
 static void add_damage(void *context, const sdr_pair *pair)
 {
@@ -79,7 +92,9 @@ static void damage_of_stripe(void *context, int s)
       sdr_bonds_visit_run(bonds, &bonds->runs[r], add_damage, context);
   if (bonds->loose.chunk_count > 0)
     for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
-      sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context);
+      sdr_law_softens((int)model->body.law)
+          ? sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context)
+          : add_flagged_damage(call, i);
 }
 
 /* Stored and dissipated energy of a pair, J. */
