@@ -72,7 +72,6 @@ static void visit_flags_of_run(const sdr_lost_where *where, const sdr_bond_run *
     const int32_t end = run->length - start < BLOCK ? run->length : start + BLOCK;
     const sdr_flags *flags = where->flags + run->slot;
     sdr_flags any = 0;
-#pragma omp simd reduction(| : any)
     for (int32_t k = start; k < end; ++k) any |= flags[k];
     for (int32_t k = start; any & LOST && k < end; ++k)
       if (flags[k] & LOST && holds_nothing(class->weight_ij, class->weight_ji, flags[k]))
