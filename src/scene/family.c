@@ -13,6 +13,7 @@ static void read_horizon(sdr_reading *rd)
       sdr_read_error(rd->reader, given->key_origin,
                      "the imported file has a column 'horizon'; remove this key, or name the "
                      "column in points.import.ignore");
+    scene->horizon_origin = scene->points.origin;
     return;
   }
   sdr_node *node = sdr_read_value(rd->reader, rd->root, "horizon", "3.015 spacing",

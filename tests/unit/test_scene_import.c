@@ -266,6 +266,50 @@ static void test_groups_of_a_table_are_regions(void **state)
   remove_file(path);
 }
 
+static void test_a_mapping_says_unit_and_columns_to_leave_out(void **state)
+{
+  (void)state;
+  char path[64], yaml[512];
+  sdr_scene *scene = NULL;
+  write_file(path, "p.csv", TABLE);
+  snprintf(yaml, sizeof yaml,
+           "dimension: plane_stress\nmaterial: {young: 1 Pa, density: 1 kg/m^3}\n"
+           "time: {end: 1 s}\npoints: {import: {file: %s, unit: 1 mm, ignore: [region]}}\n",
+           path);
+  if (sdr_scene_parse(yaml, "s", &scene) != SDR_OK) fail_msg("%s", sdr_error_message());
+  assert_near(scene->points.imported->x[0][2], 2e-3);
+  assert_near(scene->points.spacing, 1e-3);
+  assert_int_equal(scene->points.imported->group_count, 0);
+  assert_non_null(strstr(scene->used_yaml, path)); /* so that the copy in a run's folder works */
+  sdr_scene_destroy(&scene);
+  remove_file(path);
+}
+
+static void test_a_column_of_horizons_takes_the_place_of_the_scenes(void **state)
+{
+  (void)state;
+  static const char *const keys[] = {"", "horizon: 3 m\n"};
+  char path[64], yaml[512];
+  write_file(path, "p.csv", "x,y,spacing,horizon\n0,0,1,3\n1,0,1,4\n");
+  for (int k = 0; k < 2; ++k) {
+    sdr_scene *scene = NULL;
+    snprintf(yaml, sizeof yaml,
+             "dimension: plane_stress\nmaterial: {young: 1 Pa, density: 1 kg/m^3}\n"
+             "time: {end: 1 s}\n%spoints: {import: %s}\n",
+             keys[k], path);
+    const sdr_status status = sdr_scene_parse(yaml, "s", &scene);
+    assert_int_equal(status, k ? SDR_BAD_INPUT : SDR_OK);
+    if (k)
+      assert_string_equal(sdr_error_message(),
+                          "s:4:1: the imported file has a column 'horizon'; remove this key, or "
+                          "name the column in points.import.ignore");
+    else
+      assert_near(scene->points.imported->horizon[1], 4.0);
+    sdr_scene_destroy(&scene);
+  }
+  remove_file(path);
+}
+
 /* ---- meshes ---------------------------------------------------------------------------------- */
 
 /* Two triangles and a quadrilateral along x, 1 m high; the left edge and the elements have names.
@@ -501,6 +545,8 @@ int main(void)
       cmocka_unit_test(test_a_scenes_hash_tells_what_the_file_holds_and_not_where_it_lies),
       cmocka_unit_test(test_scenes_that_misname_imported_places_are_told_what_there_is),
       cmocka_unit_test(test_groups_of_a_table_are_regions),
+      cmocka_unit_test(test_a_mapping_says_unit_and_columns_to_leave_out),
+      cmocka_unit_test(test_a_column_of_horizons_takes_the_place_of_the_scenes),
       cmocka_unit_test(
           test_a_mesh_gives_points_at_centroids_or_nodes_with_the_volume_of_its_elements),
       cmocka_unit_test(test_faces_of_a_mesh_have_normals_out_of_the_body),
