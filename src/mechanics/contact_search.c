@@ -310,6 +310,7 @@ static int by_spot(const void *left, const void *right)
 sdr_status sdr_contact_merge(sdr_contact *contact)
 {
   sdr_contact_entry *late = contact->late;
+  if (contact->late_count == 0) return SDR_OK;
   qsort(late, (size_t)contact->late_count, sizeof *late, by_spot);
   for (int32_t first = 0, end; first < contact->late_count; first = end) {
     const int32_t chunk = late[first].a / SDR_CONTACT_CHUNK;
