@@ -219,7 +219,7 @@ static void draw_upper(sdr_picture *picture, sdr_area area, const sdr_rundata *r
                        const sdr_ledger_range *range)
 {
   const sdr_prefix energy = sdr_prefix_for(larger(range->energy));
-  fputs("set xtics out nomirror format ''\nset ytics out nomirror\n", picture->script);
+  fputs("set xtics out nomirror format ''\nset ytics out nomirror autofreq\n", picture->script);
   write_range(picture, "y", range->energy, 0.05, energy.scale);
   write_label(picture, area, "energy", "J", energy);
   write_legend(picture, area, run);

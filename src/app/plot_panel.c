@@ -73,7 +73,7 @@ static void name_axes(sdr_picture *picture, sdr_area area, const char *below, co
                    area.width, below);
   sdr_picture_upright(picture, area.left - 4.3 * em, area.bottom + 0.5 * area.height, 1.1,
                       1.2 * area.height, beside);
-  fputs("set xtics out nomirror\nset ytics out nomirror\n", picture->script);
+  fputs("set xtics out nomirror\nset ytics out nomirror autofreq\n", picture->script);
 }
 
 /* 1, 2 or 5 times a power of ten, at most `largest`. */
