@@ -108,8 +108,7 @@ static void clear_fresh(void *context, const sdr_pair *pair)
   const clear_call *call = context;
   sdr_state_body *body = call->body;
   sdr_flags *flags = (pair->loose ? body->loose_flags : body->flags) + pair->slot;
-  if (*flags & FRESH && body->head.lost)
-    sdr_lost_note(body->head.lost, call->stripe, pair, *flags);
+  if (*flags & FRESH && body->head.lost) sdr_lost_note(body->head.lost, call->stripe, pair, *flags);
   *flags &= ~FRESH;
 }
 

@@ -27,21 +27,12 @@ static const struct {
               {SCALAR, {1, 0, 0, 0}},   {SCALAR, {1, 0, 0, 0}},   {SCALAR, {0, 0, 0, 0}}};
 
 /* Of the body as a whole, as in the ledger (output/ledger.h). */
-static const char *const quantity_names[] = {"kinetic",
-                                             "stored",
-                                             "dissipated",
-                                             "viscous",
-                                             "refinement",
-                                             "contact",
-                                             "external_work",
-                                             "imbalance",
-                                             "imbalance_relative",
-                                             "momentum_linear",
-                                             "momentum_angular",
-                                             "max_damage",
-                                             "broken_bonds",
-                                             "reaction",
-                                             NULL};
+static const char *const quantity_names[] = {
+    "kinetic",         "stored",           "dissipated",
+    "viscous",         "refinement",       "contact",
+    "external_work",   "imbalance",        "imbalance_relative",
+    "momentum_linear", "momentum_angular", "max_damage",
+    "broken_bonds",    "reaction",         NULL};
 enum { ENERGY_QUANTITIES = 8, REACTION = 13 }; /* energies come first; most others are numbers */
 
 static const char *const kinds[] = {"value", "mean",     "min",       "max",
