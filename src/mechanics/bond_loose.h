@@ -65,6 +65,42 @@ typedef struct {
   sdr_flags flags[SDR_LANES];
 } sdr_chunk;
 
+/* Histories of a chunk's column, and where the present ones go. */
+typedef struct {
+  const float *stretch;
+  float *new_stretch;
+  const sdr_flags *flags;
+  sdr_flags *new_flags;
+} sdr_column;
+
+SDR_INLINE sdr_column history_of_column(const int law, const sdr_bond_body *body, sdr_chunk *chunk)
+{
+  float *const stretch = sdr_law_softens(law) ? body->loose_stretch + chunk->column : NULL;
+  sdr_flags *const flags = body->loose_flags ? body->loose_flags + chunk->column : NULL;
+  return (sdr_column){stretch, body->commit ? stretch : chunk->stretch, flags,
+                      body->commit ? flags : chunk->flags};
+}
+
+/* L^2 of a pair with the reference vector x, and l^2 - L^2 when its ends moved apart by e. */
+typedef struct {
+  double square, grown;
+} sdr_loose_squares;
+
+SDR_INLINE sdr_loose_squares loose_squares(const int components, double xx, double xy, double xz,
+                                           double ex, double ey, double ez)
+{
+  sdr_loose_squares l = {xx * xx, (2.0 * xx + ex) * ex};
+  if (components > 1) {
+    l.grown = SDR_FMA_double(2.0 * xy + ey, ey, l.grown);
+    l.square = SDR_FMA_double(xy, xy, l.square);
+  }
+  if (components > 2) {
+    l.grown = SDR_FMA_double(2.0 * xz + ez, ez, l.grown);
+    l.square = SDR_FMA_double(xz, xz, l.square);
+  }
+  return l;
+}
+
 /* One column of a chunk: a slot of each of its points. `same`: all pairs have one weight. */
 SDR_INLINE void force_of_column(const int components, const int law, const int each,
                                 const int marked, const int same, const sdr_bond_body *body,
@@ -75,10 +111,7 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
   const sdr_loose *loose = &body->bonds->loose;
   const int32_t *const restrict neighbour = loose->j + column;
   const double c = body->stiffness, q = body->threshold;
-  float *const stretch = sdr_law_softens(law) ? body->loose_stretch + column : NULL;
-  float *const new_stretch = body->commit ? stretch : chunk->stretch;
-  sdr_flags *const flags = body->loose_flags ? body->loose_flags + column : NULL;
-  sdr_flags *const new_flags = body->commit ? flags : chunk->flags;
+  const sdr_column kept = history_of_column(law, body, chunk);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
     const int64_t slot = column + lane, i = point + lane;
@@ -89,15 +122,8 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
     const double ex = u[0][j] - u[0][i];
     const double ey = components > 1 ? u[1][j] - u[1][i] : 0.0;
     const double ez = components > 2 ? u[2][j] - u[2][i] : 0.0;
-    double grown = (2.0 * xx + ex) * ex, square = xx * xx;
-    if (components > 1) {
-      grown = SDR_FMA_double(2.0 * xy + ey, ey, grown);
-      square = SDR_FMA_double(xy, xy, square);
-    }
-    if (components > 2) {
-      grown = SDR_FMA_double(2.0 * xz + ez, ez, grown);
-      square = SDR_FMA_double(xz, xz, square);
-    }
+    const sdr_loose_squares l = loose_squares(components, xx, xy, xz, ex, ey, ez);
+    const double grown = l.grown, square = l.square;
     const double present = square + grown, length = sqrt(square);
     /* l = 0: no direction; below rounding neither */
     const double now = sqrt(present > 1e-18 * square ? present : 1e-18 * square);
@@ -112,21 +138,21 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
                                  each ? body->threshold_at[j] : q};
     double phi = 0.0;
     if (law == SDR_LAW_VARIATIONAL) {
-      phi = loose_variational(each, marked, &pair, stretch[lane], &new_stretch[lane]);
+      phi = loose_variational(each, marked, &pair, kept.stretch[lane], &kept.new_stretch[lane]);
     } else if (sdr_law_softens(law)) {
       const int second = each && law == SDR_LAW_COHESIVE;
       const double ri = second ? body->decline_at[i] : body->decline;
       const double rj = second ? body->decline_at[j] : body->decline;
-      phi = loose_softened(law, marked, &pair, ri, rj, stretch[lane], &new_stretch[lane]);
+      phi = loose_softened(law, marked, &pair, ri, rj, kept.stretch[lane], &kept.new_stretch[lane]);
     } else {
       double left = pair.ci + pair.cj;
       if (law == SDR_LAW_CRITICAL_STRETCH) {
         sdr_flags grown_flags = 0;
-        left = loose_critical(marked, &pair, flags[lane], &grown_flags);
-        new_flags[lane] = grown_flags;
+        left = loose_critical(marked, &pair, kept.flags[lane], &grown_flags);
+        kept.new_flags[lane] = grown_flags;
         chunk->fresh[lane] |= grown_flags;
       } else if (marked) {
-        left = flags[lane] & SDR_CUT ? 0.0 : left;
+        left = kept.flags[lane] & SDR_CUT ? 0.0 : left;
       }
       phi = left * grown / (pair.both * now);
     }
