@@ -78,6 +78,9 @@ static void look(const sdr_rundata *run, const stress_sweep *sweep, outcome *o)
   case STRESS_COST:
     o->error = sdr_rundata_number(run, "ns_per_bond_step");
     break;
+  case STRESS_END:
+    o->error = fabs(sdr_rundata_number(run, "energy.imbalance_relative"));
+    break;
   case STRESS_IMBALANCE:
   case STRESS_SAME:
     o->error = fabs(sdr_rundata_number(run, "energy.imbalance_largest"));

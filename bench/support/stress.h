@@ -9,10 +9,11 @@ enum { STRESS_VARIANTS = 6, STRESS_LEVELS = 8 };
 /* What is judged of a run. */
 typedef enum {
   STRESS_IMBALANCE, /* largest imbalance of energy over the largest energy */
-  STRESS_EXACT,     /* the scene's measure `err` */
-  STRESS_SAME,      /* shares of energy and mean damage against the sweep's level `base` */
-  STRESS_DRIFT,     /* slope of the imbalance over the energy, in a million steps */
-  STRESS_COST       /* cost of a bond and step over that at the level `base`, less 1 */
+  STRESS_END,   /* imbalance at the end alone: while a load grows from nothing it tells nothing */
+  STRESS_EXACT, /* the scene's measure `err` */
+  STRESS_SAME,  /* shares of energy and mean damage against the sweep's level `base` */
+  STRESS_DRIFT, /* slope of the imbalance over the energy, in a million steps */
+  STRESS_COST   /* cost of a bond and step over that at the level `base`, less 1 */
 } stress_kind;
 
 typedef struct {
