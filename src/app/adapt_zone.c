@@ -46,7 +46,7 @@ static size_t index_of(const sdr_adapt_zone *zone, const int32_t cell[3])
 
 static void find_extent(sdr_adapt_zone *zone, const sdr_points *points)
 {
-  int32_t high[3];
+  int32_t high[3] = {0};
   for (int r = 0; r < points->row_count; ++r)
     for (int end = 0; end < 2; ++end) {
       int32_t cell[3];

@@ -90,11 +90,14 @@ static void damage_of_stripe(void *context, int s)
   else
     for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
       sdr_bonds_visit_run(bonds, &bonds->runs[r], add_damage, context);
-  if (bonds->loose.chunk_count > 0)
-    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
-      sdr_law_softens((int)model->body.law)
-          ? sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context)
-          : add_flagged_damage(call, i);
+  if (bonds->loose.chunk_count == 0) return;
+  const int flagged = !sdr_law_softens((int)model->body.law);
+  for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i) {
+    if (flagged)
+      add_flagged_damage(call, i);
+    else
+      sdr_bonds_visit_loose_point(bonds, i, add_loose_damage, context);
+  }
 }
 
 /* Stored and dissipated energy of a pair, J. */
