@@ -47,7 +47,7 @@ static sdr_summary make(body *b)
                        .damage_max = 0.75,
                        .damage_mean = 0.125,
                        .fragments_known = 1,
-                       .fragments = {3, 8, 1}};
+                       .fragments = {.count = 3, .largest = 8, .single = 1}};
 }
 
 static json_t *load(const body *b)
