@@ -7,6 +7,7 @@
 
 #include <gsl/gsl_rng.h>
 #include <math.h>
+#include <string.h>
 
 /* Young's modulus of each point; random numbers are drawn in the order of generation, one stream a
    material, so that they do not depend on how points are stored. */
@@ -37,6 +38,14 @@ sdr_status sdr_body_young(const sdr_scene *scene, const sdr_points *points, doub
 
 /* ---- families and bonds ---------------------------------------------------------------------- */
 
+/* By default bodies at rest: waves pass a border of plain weights with a smaller echo. */
+static int balances_borders(const sdr_scene *scene)
+{
+  const int is_static = strcmp(scene->time.integrator, "static") == 0;
+  if (scene->model != SDR_BOND_BASED || scene->one_sided) return 0;
+  return scene->balance == SDR_BORDER_AUTO ? is_static : scene->balance == SDR_BORDER_BALANCED;
+}
+
 static sdr_families_how families_how(const sdr_scene *scene)
 {
   static const sdr_influence influences[] = {[SDR_WEIGHT_CONSTANT] = SDR_INFLUENCE_CONSTANT,
@@ -56,8 +65,7 @@ static sdr_families_how families_how(const sdr_scene *scene)
                             .partial_volume = weight->partial_volume,
                             .correction = corrections[weight->correction],
                             .state_based = scene->model != SDR_BOND_BASED,
-                            .balance = scene->balance && scene->model == SDR_BOND_BASED &&
-                                       !scene->one_sided,
+                            .balance = balances_borders(scene),
                             .printed = scene->calibration == SDR_CALIBRATE_PRINTED};
 }
 

@@ -109,16 +109,16 @@ static void read_calibration(sdr_reading *rd, sdr_node *map)
 
 void sdr_read_family(sdr_reading *rd)
 {
-  int dual = 1;
+  static const char *const words[] = {"false", "true", "auto", NULL};
+  int dual = 1, balance = 0;
   read_horizon(rd);
   sdr_node *map = sdr_read_map(rd->reader, rd->root, "family", "{}");
   if (!map) return;
   read_weight(rd, map);
   read_calibration(rd, map);
   sdr_read_flag(rd->reader, map, "dual", "true", &dual);
-  /* each split of points would have to find the weights again */
-  const char *balance = rd->scene->points.adapt ? "false" : "true";
-  sdr_read_flag(rd->reader, map, "balance", balance, &rd->scene->balance);
+  if (sdr_read_word(rd->reader, map, "balance", words, NULL, "auto", &balance))
+    rd->scene->balance = (sdr_border)balance;
   rd->scene->one_sided = !dual;
   sdr_read_done(rd->reader, map);
 }

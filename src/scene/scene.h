@@ -134,6 +134,8 @@ typedef enum {
   SDR_LAW_COHESIVE
 } sdr_law;
 typedef enum { SDR_CALIBRATE_FAMILY, SDR_CALIBRATE_PRINTED } sdr_calibration_kind;
+/* Whether bonds at the border of two spacings get weights that balance uniform strain. */
+typedef enum { SDR_BORDER_PLAIN, SDR_BORDER_BALANCED, SDR_BORDER_AUTO } sdr_border;
 /* Weight of a bond in its family: a function of its length (named after the influence functions of
    nom/influence.h), times partial volumes, times a correction. */
 typedef enum {
@@ -429,9 +431,9 @@ typedef struct sdr_scene {
                               each imported point has its own */
   int horizon_relative;
   sdr_origin horizon_origin;
-  sdr_weight weight; /* key `family: {weight: ...}` */
-  int one_sided;     /* key `family: {dual: false}`: no dual horizon */
-  int balance;       /* key `family: {balance: ...}`: at the border of two spacings */
+  sdr_weight weight;  /* key `family: {weight: ...}` */
+  int one_sided;      /* key `family: {dual: false}`: no dual horizon */
+  sdr_border balance; /* key `family: {balance: ...}`: at the border of two spacings */
   sdr_calibration_kind calibration; /* key `family: {calibration: ...}` */
   sdr_model_kind model;
   sdr_elasticity elasticity;            /* key `material.elasticity`; nonordinary only */
