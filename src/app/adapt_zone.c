@@ -46,14 +46,15 @@ static size_t index_of(const sdr_adapt_zone *zone, const int32_t cell[3])
 
 static void find_extent(sdr_adapt_zone *zone, const sdr_points *points)
 {
-  int32_t high[3] = {0};
+  int32_t high[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
+  for (int a = 0; a < 3; ++a) zone->low[a] = INT32_MAX;
   for (int r = 0; r < points->row_count; ++r)
     for (int end = 0; end < 2; ++end) {
       int32_t cell[3];
       cell_of(points, &points->rows[r], end * (points->rows[r].length - 1), cell);
       for (int a = 0; a < 3; ++a) {
-        if ((r == 0 && end == 0) || cell[a] < zone->low[a]) zone->low[a] = cell[a];
-        if ((r == 0 && end == 0) || cell[a] > high[a]) high[a] = cell[a];
+        if (cell[a] < zone->low[a]) zone->low[a] = cell[a];
+        if (cell[a] > high[a]) high[a] = cell[a];
       }
     }
   zone->cells = 1;
