@@ -388,7 +388,7 @@ static sdr_status draw(const comparison *c, const char *directory)
   fprintf(s, "set logscale y\nset yrange [0.1:200]\nset ytics\nset grid ytics\n"
              "set ylabel 'ns, one core'\nset style fill solid 0.85\nset boxwidth 0.35\n"
              "set xrange [-0.6:1.6]\nset xtics ('ring, plane' 0, 'cylinder, space' 1)\n"
-             "set key top left\n");
+             "set key top left Left reverse\n");
   fprintf(s, "plot '-' using 1:2 with boxes lc rgb '#2a6fbb' title 'Sunder', '-' using 1:2:(sprintf"
              "('%%.2f', $2)) with labels offset 0,0.8 notitle, '-' using 1:2 with boxes lc rgb "
              "'#b0b0b0' title 'LAMMPS', '-' using 1:2:(sprintf('%%.1f', $2)) with labels offset "

@@ -120,7 +120,7 @@ SDR_INLINE double precise_elongation(const int components, const double xi[3], c
 SDR_INLINE double precise_ratio(double z)
 {
   const double square = 1.0 + z;
-  return sqrt(square > 1e-200 ? square : 1e-200); /* l = 0: no direction, no force */
+  return sqrt(square > 1e-18 ? square : 1e-18); /* l = 0 but for rounding: no direction, no force */
 }
 
 /* ---- runs ------------------------------------------------------------------------------------ */
