@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static double grid_size(const double extent[3], double size, int32_t n[3])
+double sdr_cells_count(const double extent[3], double size, int32_t n[3])
 {
   double cells = 1.0;
   for (int a = 0; a < 3; ++a) {
@@ -37,7 +37,8 @@ sdr_status sdr_cells_create(const sdr_points *points, double size, sdr_cells *ou
     cells.low[a] = low;
     extent[a] = high - low;
   }
-  while (grid_size(extent, cells.size, cells.n) > 4.0 * points->count + 64.0) cells.size *= 1.5;
+  while (sdr_cells_count(extent, cells.size, cells.n) > 4.0 * points->count + 64.0)
+    cells.size *= 1.5;
 
   const size_t count = (size_t)cells.n[0] * (size_t)cells.n[1] * (size_t)cells.n[2];
   cells.first = sdr_alloc(count + 2, sizeof *cells.first);

@@ -11,6 +11,10 @@ typedef struct {
   int32_t *point; /* ascending within a cell */
 } sdr_cells;
 
+/* How many cells of edge `size` along each axis cover a box with these edges; returns their number
+   in all, which may be more than fits an int. */
+double sdr_cells_count(const double extent[3], double size, int32_t n[3]);
+
 /* Sort the points into cells with edges of about `size` (m, > 0); enlarged where the grid would
    have more than about four cells a point. Owner: the caller. */
 sdr_status sdr_cells_create(const sdr_points *points, double size, sdr_cells *out);

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/contact_internal.h"
+#include "nom/cells.h"
 #include "nom/neighbourhood.h"
 
 #include <math.h>
@@ -174,17 +175,6 @@ static sdr_status sort_lost(sdr_contact *contact)
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
-static double count_cells(const double extent[3], double size, int32_t n[3])
-{
-  double cells = 1.0;
-  for (int a = 0; a < 3; ++a) {
-    const double along = fmin(floor(extent[a] / size) + 1.0, 2e9);
-    n[a] = (int32_t)along;
-    cells *= along;
-  }
-  return cells;
-}
-
 static int32_t coordinate(const sdr_contact *contact, int a, double x)
 {
   const double c = (x - contact->low[a]) / contact->cell;
@@ -212,7 +202,7 @@ static void lay_cells(sdr_contact *contact)
     extent[a] = high[a] - contact->low[a];
   }
   contact->cell = contact->most_range + contact->skin;
-  while (count_cells(extent, contact->cell, contact->cells) > 8.0 * contact->count + 64.0)
+  while (sdr_cells_count(extent, contact->cell, contact->cells) > 8.0 * contact->count + 64.0)
     contact->cell *= 1.25;
 }
 
