@@ -1,6 +1,7 @@
 /* every problem's figures beside their accepted ranges and the papers' values; names of problems,
-   or PROBLEM:VARIANT, choose some */
+   or PROBLEM:VARIANT, choose some, --papers all that a paper prints figures of */
 #include "app/find_scene.h"
+#include "app/plot_gnuplot.h"
 #include "app/run.h"
 #include "app/rundata.h"
 #include "base/memory.h"
@@ -11,12 +12,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_COMPARED = 200 };
+
+/* A figure that a paper prints too. */
+typedef struct {
+  char name[3 * SDR_NAME_MAX];
+  double value, low, high, paper;
+} compared;
+
 /* What has come out so far. */
 typedef struct {
   char directory[BENCH_PATH];
   FILE *csv;
   int runs, refused, failed, figures, ranged, outside;
   double seconds; /* of the present run */
+  int papers_only;
+  compared beside[MOST_COMPARED];
+  int beside_count;
 } table;
 
 /* ---- one figure ------------------------------------------------------------------------------ */
@@ -48,6 +60,20 @@ static double number_of(const sdr_rundata *data, const char *figure, const char 
   return sdr_rundata_number(data, key);
 }
 
+static void keep_for_picture(table *t, const sdr_scene *scene, const char *figure,
+                             const double number[4])
+{
+  if (!(number[0] > 0.0 && number[3] > 0.0) || t->beside_count == MOST_COMPARED) return;
+  compared *c = &t->beside[t->beside_count++];
+  snprintf(c->name, sizeof c->name, "%s%s%s  %s", scene->name, scene->variant[0] ? " " : "",
+           scene->variant, figure);
+  c->value = number[0];
+  /* a range with one end goes on to the edge of the picture */
+  c->low = isnan(number[1]) && !isnan(number[2]) ? 0.0 : number[1];
+  c->high = isnan(number[2]) && !isnan(number[1]) ? 1e3 * number[3] : number[2];
+  c->paper = number[3];
+}
+
 static void add_figure(table *t, const sdr_rundata *data, const sdr_scene *scene, const char *name)
 {
   const double value = number_of(data, name, "value"), low = number_of(data, name, "low");
@@ -65,6 +91,7 @@ static void add_figure(table *t, const sdr_rundata *data, const sdr_scene *scene
   printf(" %-7s %8.1f\n", verdict, t->seconds);
   fprintf(t->csv, "%s,%s,%s", scene->name, scene->variant, name);
   const double numbers[] = {value, low, high, paper};
+  keep_for_picture(t, scene, name, numbers);
   for (int k = 0; k < 4; ++k) {
     fputc(',', t->csv);
     print_number(t->csv, "%.9g", numbers[k], "");
@@ -123,6 +150,19 @@ static int is_about_accuracy(const sdr_scene *scene)
   return scene->figure_count > 0 && scene->damage.law == SDR_LAW_NONE;
 }
 
+static int has_paper(const sdr_scene *scene)
+{
+  for (int k = 0; k < scene->figure_count; ++k)
+    if (!isnan(scene->figure[k].paper)) return 1;
+  return 0;
+}
+
+static int is_wanted(const table *t, const sdr_scene *scene, int is_named)
+{
+  if (t->papers_only) return has_paper(scene);
+  return is_named || is_about_accuracy(scene);
+}
+
 static int has_ranges(const sdr_scene *scene)
 {
   for (int k = 0; k < scene->figure_count; ++k)
@@ -136,7 +176,7 @@ static void try_one(table *t, const char *path, const char *variant, int is_name
 {
   sdr_scene *scene = NULL;
   sdr_status status = sdr_scene_load(path, variant, 0, NULL, &scene);
-  if (status == SDR_OK && (is_named || is_about_accuracy(scene))) {
+  if (status == SDR_OK && is_wanted(t, scene, is_named)) {
     fprintf(stderr, "%s %s ... ", scene->name, variant);
     status = run_one(t, path, variant, scene);
     fprintf(stderr, status == SDR_OK ? "%.1f s\n" : "failed\n", t->seconds);
@@ -206,6 +246,36 @@ static sdr_status try_all(table *t)
   return status;
 }
 
+/* ---- picture --------------------------------------------------------------------------------- */
+
+/* Ours over the paper's, a row a figure; the accepted range as a bar. */
+static sdr_status draw(const table *t, const char *path)
+{
+  const double row = 22.0, left = 470.0;
+  const int height = (int)(row * t->beside_count) + 130;
+  sdr_picture picture;
+  SDR_TRY(sdr_picture_begin(&picture, 1400, height, 17.0));
+  sdr_picture_place(&picture, (sdr_area){left, 75, 1400 - left - 40, height - 125.0});
+  FILE *script = picture.script;
+  fputs("$d << E\n", script);
+  for (int k = t->beside_count - 1; k >= 0; --k) {
+    const compared *c = &t->beside[k];
+    fprintf(script, "\"%s\" %g %g %g\n", c->name, c->value / c->paper,
+            fmax(c->low / c->paper, 1e-3), c->high / c->paper);
+  }
+  fprintf(script,
+          "E\nset border 3\nset xtics nomirror (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)\n"
+          "set ytics nomirror scale 0 font ',10'\nset grid x lc '#e8e8e8'\nset logscale x\n"
+          "set xrange [0.015:6]\nset yrange [-0.7:%g]\n"
+          "set xlabel 'ours / the value that the paper prints (errors: less is better)'\n"
+          "set key outside top center horizontal\n"
+          "set arrow from 1,graph 0 to 1,graph 1 nohead lc '#000000'\n"
+          "plot $d using 3:0:($4-$3):(0):ytic(1) with vectors nohead lw 7 lc '#cfe3f3' "
+          "t 'accepted range', $d using 2:0 with points pt 7 ps 1.2 lc '#0072b2' t 'ours'\n",
+          t->beside_count - 0.3);
+  return sdr_picture_end(&picture, path);
+}
+
 static sdr_status make_table(table *t, int count, char **names)
 {
   SDR_TRY(bench_directory("accuracy", t->directory));
@@ -217,18 +287,25 @@ static sdr_status make_table(table *t, int count, char **names)
   for (int k = 0; k < count && status == SDR_OK; ++k) status = try_problem(t, names[k], 1);
   if (fclose(t->csv) != 0 && status == SDR_OK)
     status = sdr_fail(SDR_IO_ERROR, "%s: disk full", t->directory);
+  if (status == SDR_OK && t->beside_count > 0) {
+    char path[2 * BENCH_PATH];
+    snprintf(path, sizeof path, "%s/accuracy.png", t->directory);
+    status = draw(t, path);
+  }
   return status;
 }
 
 int main(int count, char **arguments)
 {
-  table t = {0};
-  if (make_table(&t, count - 1, arguments + 1) != SDR_OK) {
+  static table t;
+  t.papers_only = count > 1 && strcmp(arguments[1], "--papers") == 0;
+  if (make_table(&t, count - 1 - t.papers_only, arguments + 1 + t.papers_only) != SDR_OK) {
     fprintf(stderr, "bench accuracy: %s\n", sdr_error_message());
     return 1;
   }
   printf("\n%d runs (%d refused, %d failed), %d figures, %d with a range, %d of them outside it\n"
-         "%s\ntable: %s/accuracy.csv\n",
-         t.runs, t.refused, t.failed, t.figures, t.ranged, t.outside, bench_origin(), t.directory);
+         "%s\ntable: %s/accuracy.csv%s\n",
+         t.runs, t.refused, t.failed, t.figures, t.ranged, t.outside, bench_origin(), t.directory,
+         t.beside_count > 0 ? ", picture beside it" : "");
   return t.failed > 0 || t.outside > 0;
 }

@@ -1,8 +1,8 @@
 /* time of a bond in a step: plain reference, loose pairs, runs, beside what the machine allows */
-#include "app/plot_gnuplot.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "support/body.h"
+#include "support/chart.h"
 #include "support/floor.h"
 #include "support/plain_reference.h"
 #include "support/report.h"
@@ -344,62 +344,49 @@ static sdr_status write_csv(const figures *f, const char *directory)
 typedef struct {
   form which;
   int isa;
-  const char *title, *colour;
-} bar;
+} choice;
 
 /* Bars for the laws of one body, scattered moduli, one core. */
-static void draw_panel(FILE *script, const figures *f, int b, const char *what, double bottom,
-                       const bar *bars, int count)
+static void draw_panel(sdr_picture *picture, const figures *f, int b, int row, const char *what,
+                       const choice *choices, const bench_bar *bars, int count)
 {
-  double most = 0.0;
-  fprintf(script, "$p << E\n");
-  for (int law = 0; law < LAWS; ++law) {
-    fputs(law_name[law], script);
-    for (int k = 0; k < count; ++k) {
-      const double ns = f->time[b][law][1][0][bars[k].isa][bars[k].which].median;
-      fprintf(script, " %.3f", ns);
-      most = isnan(ns) ? most : fmax(most, ns);
-    }
-    fputc('\n', script);
-  }
-  fprintf(script, "E\nset title '%s: %s'\nset yrange [0:%g]\nset origin %g,%g\nplot ", body_name[b],
-          what, 1.3 * most, 0.5 * b, bottom);
-  for (int k = 0; k < count; ++k)
-    fprintf(script, "$p using %d:xtic(1) lc '%s' t '%s', ", k + 2, bars[k].colour, bars[k].title);
-  for (int k = 0; k < count; ++k)
-    fprintf(script,
-            "$p using ($0 + %g):%d:(sprintf('%%.1f', $%d)) with labels font ',10' "
-            "offset 0,0.5 notitle, ",
-            (k - 0.5 * (count - 1)) / (count + 1.5), k + 2, k + 2);
-  fputc('\n', script);
+  double value[LAWS * FORMS];
+  char title[80];
+  for (int law = 0; law < LAWS; ++law)
+    for (int k = 0; k < count; ++k)
+      value[law * count + k] = f->time[b][law][1][0][choices[k].isa][choices[k].which].median;
+  snprintf(title, sizeof title, "%s: %s", body_name[b], what);
+  const bench_chart chart = {.title = title,
+                             .unit = "ns a directed bond and step, one core",
+                             .groups = LAWS,
+                             .bars = count,
+                             .group = law_name,
+                             .bar = bars,
+                             .value = value,
+                             .format = "%.1f",
+                             .columns = (count + 1) / 2};
+  bench_draw_bars(picture, &chart, (sdr_area){90 + 800 * b, 60 + 550 * row, 690, 430});
 }
 
 static sdr_status draw(const figures *f, const char *directory)
 {
-  static const char *const colour[FORMS] = {"#999999", "#cccccc", "#56b4e9", "#0072b2",
-                                            "#d55e00", "#f0a070", "#000000"};
-  const bar by_isa[] = {{LOOSE_LATTICE, 0, "loose, baseline", "#b9dcf2"},
-                        {LOOSE_LATTICE, 1, "loose, avx2", "#7cc0ea"},
-                        {LOOSE_LATTICE, 2, "loose, avx512", "#56b4e9"},
-                        {RUNS, 0, "runs, baseline", "#f5c9a8"},
-                        {RUNS, 1, "runs, avx2", "#e88f4a"},
-                        {RUNS, 2, "runs, avx512", "#d55e00"}};
-  bar by_form[FORMS];
-  for (form k = PLAIN_LATTICE; k < FORMS; ++k)
-    by_form[k] = (bar){k, f->best_isa, form_name[k], colour[k]};
+  static const bench_bar forms[FORMS] = {
+      {"plain, lattice", "#999999"}, {"plain, random", "#cccccc"}, {"loose, lattice", "#56b4e9"},
+      {"loose, random", "#0072b2"},  {"runs", "#d55e00"},          {"runs, mixed", "#f0a070"},
+      {"floor of runs", "#000000"}};
+  static const bench_bar isas[] = {{"loose, baseline", "#b9dcf2"}, {"loose, avx2", "#7cc0ea"},
+                                   {"loose, avx512", "#56b4e9"},   {"runs, baseline", "#f5c9a8"},
+                                   {"runs, avx2", "#e88f4a"},      {"runs, avx512", "#d55e00"}};
+  choice by_form[FORMS], by_isa[2 * ISAS];
+  for (int k = 0; k < FORMS; ++k) by_form[k] = (choice){(form)k, f->best_isa};
+  for (int k = 0; k < 2 * ISAS; ++k)
+    by_isa[k] = (choice){k < ISAS ? LOOSE_LATTICE : RUNS, k % ISAS};
   char path[2 * BENCH_PATH];
   sdr_picture picture;
   SDR_TRY(sdr_picture_begin(&picture, 1600, 1100, 20.0));
-  fputs("set tics nomirror\nset xtics\nset ytics\nset grid y lc '#e0e0e0'\nset border 3\n"
-        "set style data histograms\nset style histogram clustered gap 1.5\n"
-        "set style fill solid 1 noborder\nset key top center horizontal maxcols 4 font ',11' "
-        "samplen 1\nset ylabel 'ns a directed bond and step, one core'\nset size 0.5,0.5\n",
-        picture.script);
   for (int b = 0; b < 2; ++b) {
-    fputs("set key maxcols 4\n", picture.script);
-    draw_panel(picture.script, f, b, "ways to hold bonds", 0.5, by_form, FORMS);
-    fputs("set key maxcols 3\n", picture.script);
-    draw_panel(picture.script, f, b, "instruction sets", 0.0, by_isa, 6);
+    draw_panel(&picture, f, b, 1, "ways to hold bonds", by_form, forms, FORMS);
+    draw_panel(&picture, f, b, 0, "instruction sets", by_isa, isas, 2 * ISAS);
   }
   snprintf(path, sizeof path, "%s/kernels.png", directory);
   return sdr_picture_end(&picture, path);

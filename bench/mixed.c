@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "support/body.h"
+#include "support/chart.h"
 #include "support/report.h"
 #include "time/integrator.h"
 
@@ -86,7 +87,10 @@ static sdr_status follow(const bench_how *how, double strain, stray *out)
   return status;
 }
 
-static sdr_status before_breakage(FILE *csv)
+/* Largest differences: a row a start, shared and scattered moduli in 2-D, then in 3-D. */
+enum { BODIES = 4 };
+
+static sdr_status before_breakage(FILE *csv, double errors[STARTS][BODIES])
 {
   int missed = 0;
   printf(
@@ -105,6 +109,7 @@ static sdr_status before_breakage(FILE *csv)
                                .scattered = scattered};
         stray s;
         SDR_TRY(follow(&how, starts[k].strain, &s));
+        errors[k][2 * (dimension - 2) + scattered] = s.error;
         missed += s.error > target;
         damage = fmax(damage, s.damage);
         printf(" %11.1e%c", s.error, s.error > target ? '*' : ' ');
@@ -115,6 +120,34 @@ static sdr_status before_breakage(FILE *csv)
   }
   printf("  %d missed%s\n", missed, missed ? " (*)" : "");
   return SDR_OK;
+}
+
+static sdr_status draw(double errors[STARTS][BODIES], const char *directory)
+{
+  static const bench_bar bars[BODIES] = {{"2-D, shared moduli", "#56b4e9"},
+                                         {"2-D, scattered", "#0072b2"},
+                                         {"3-D, shared", "#f0a070"},
+                                         {"3-D, scattered", "#d55e00"}};
+  const char *groups[STARTS];
+  char path[2 * BENCH_PATH];
+  sdr_picture picture;
+  for (int k = 0; k < STARTS; ++k) groups[k] = starts[k].name;
+  const bench_chart chart = {
+      .title = "mixed against double after 200 steps of smooth waves (dashed: what is aimed at)",
+      .unit = "largest difference / largest displacement",
+      .groups = STARTS,
+      .bars = BODIES,
+      .group = groups,
+      .bar = bars,
+      .value = errors[0],
+      .format = "%.1e",
+      .columns = BODIES,
+      .limit = target,
+      .logarithmic = 1};
+  SDR_TRY(sdr_picture_begin(&picture, 1300, 560, 20.0));
+  bench_draw_bars(&picture, &chart, (sdr_area){130, 60, 1140, 420});
+  snprintf(path, sizeof path, "%s/mixed.png", directory);
+  return sdr_picture_end(&picture, path);
 }
 
 /* ---- through breakage ------------------------------------------------------------------------ */
@@ -196,6 +229,7 @@ static sdr_status through_breakage(const char *directory)
 int main(int count, char **words)
 {
   char directory[BENCH_PATH];
+  double errors[STARTS][BODIES];
   FILE *csv = NULL;
   (void)words;
   if (count > 1) {
@@ -207,12 +241,14 @@ int main(int count, char **words)
   if (status == SDR_OK) status = bench_csv(directory, "mixed", &csv);
   if (status == SDR_OK) {
     fputs("law,dimension,moduli,error,largest_damage\n", csv);
-    status = before_breakage(csv);
+    status = before_breakage(csv, errors);
     if (fclose(csv) != 0 && status == SDR_OK)
       status = sdr_fail(SDR_IO_ERROR, "%s: disk full", directory);
   }
+  if (status == SDR_OK) status = draw(errors, directory);
   if (status == SDR_OK) status = through_breakage(directory);
-  if (status == SDR_OK) printf("%s\n%s/mixed.csv\n", bench_origin(), directory);
+  if (status == SDR_OK)
+    printf("%s\n%s/mixed.csv\n%s/mixed.png\n", bench_origin(), directory, directory);
   if (status != SDR_OK) fprintf(stderr, "mixed: %s\n", sdr_error_message());
   return (int)status;
 }

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "mechanics/isa.h"
 #include "support/body.h"
+#include "support/chart.h"
 #include "support/report.h"
 #include "time/integrator.h"
 
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MODELS = 3, LAWS = 3, ROUNDS = 9 };
+enum { MODELS = 3, LAWS = 3, ROUNDS = 9, ROWS = 4 * LAWS };
 
 static const char *const model_name[MODELS] = {"bond_based", "ordinary", "nonordinary"};
 static const char *const law_name[LAWS] = {"none", "variational", "critical_stretch"};
@@ -98,7 +99,7 @@ static void write_row(FILE *csv, const bench_how *how, const row *r)
   printf("\n");
 }
 
-static sdr_status measure_all(int quick, FILE *csv)
+static sdr_status measure_all(int quick, FILE *csv, row rows[ROWS])
 {
   fprintf(csv, "dimension,bonds,law,model,directed,ns_median,ns_least,ratio\n");
   printf("%s\nns a directed bond and step, one core; over the bond-based cost\n%-30s  %s\n",
@@ -107,13 +108,43 @@ static sdr_status measure_all(int quick, FILE *csv)
   for (how.dimension = 2; how.dimension <= 3; ++how.dimension)
     for (how.loose = 0; how.loose < 2; ++how.loose)
       for (int law = 0; law < LAWS; ++law) {
-        row r = {0};
+        row *r = rows++;
         how.law = (sdr_law)law;
-        SDR_TRY(measure_case(how, &r));
-        write_row(csv, &how, &r);
+        SDR_TRY(measure_case(how, r));
+        write_row(csv, &how, r);
         fflush(stdout);
       }
   return SDR_OK;
+}
+
+/* A panel for each of: 2-D and 3-D, runs and loose pairs. */
+static sdr_status draw(const row rows[ROWS], const char *directory)
+{
+  static const bench_bar bars[MODELS] = {
+      {"bond-based", "#999999"}, {"ordinary", "#56b4e9"}, {"non-ordinary, linear", "#d55e00"}};
+  char path[2 * BENCH_PATH], title[64];
+  double value[ROWS * MODELS];
+  sdr_picture picture;
+  for (int k = 0; k < ROWS * MODELS; ++k) value[k] = rows[k / MODELS].median[k % MODELS];
+  SDR_TRY(sdr_picture_begin(&picture, 1500, 960, 20.0));
+  for (int panel = 0; panel < 4; ++panel) {
+    const int loose = panel % 2;
+    snprintf(title, sizeof title, "%s, %s", panel < 2 ? "plane stress" : "3-D",
+             loose ? "loose pairs" : "runs");
+    const bench_chart chart = {.title = title,
+                               .unit = "ns a directed bond and step, one core",
+                               .groups = LAWS,
+                               .bars = MODELS,
+                               .group = law_name,
+                               .bar = bars,
+                               .value = value + panel * LAWS * MODELS,
+                               .format = "%.2f",
+                               .columns = MODELS};
+    bench_draw_bars(&picture, &chart,
+                    (sdr_area){90 + 750 * (panel / 2), 540 - 480 * loose, 640, 360});
+  }
+  snprintf(path, sizeof path, "%s/models.png", directory);
+  return sdr_picture_end(&picture, path);
 }
 
 int main(int argc, char **argv)
@@ -121,11 +152,15 @@ int main(int argc, char **argv)
   const int quick = argc > 1 && strcmp(argv[1], "--quick") == 0;
   char directory[BENCH_PATH];
   FILE *csv = NULL;
+  row rows[ROWS] = {0};
   sdr_set_threads(1);
   sdr_status status = bench_directory("models", directory);
   if (status == SDR_OK) status = bench_csv(directory, "models", &csv);
-  if (status == SDR_OK) status = measure_all(quick, csv);
-  if (csv) fclose(csv);
-  if (status != SDR_OK) fprintf(stderr, "%s\n", sdr_error_message());
+  if (status == SDR_OK) status = measure_all(quick, csv, rows);
+  if (csv && fclose(csv) != 0 && status == SDR_OK)
+    status = sdr_fail(SDR_IO_ERROR, "%s: disk full", directory);
+  if (status == SDR_OK) status = draw(rows, directory);
+  if (status == SDR_OK) printf("%s/models.csv\n%s/models.png\n", directory, directory);
+  if (status != SDR_OK) fprintf(stderr, "models: %s\n", sdr_error_message());
   return (int)status;
 }

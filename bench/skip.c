@@ -348,12 +348,13 @@ static sdr_status write_csv(const table *t, const char *directory)
   return fclose(csv) == 0 ? SDR_OK : sdr_fail(SDR_IO_ERROR, "%s: disk full", directory);
 }
 
-/* Bars of the time with (light) and without (dark) each feature, slowest on top. */
+/* A line from the time without (dark) to that with (light) each feature, first on top. */
 static sdr_status draw(const table *t, const char *directory)
 {
   char path[2 * BENCH_PATH];
   sdr_picture picture;
-  SDR_TRY(sdr_picture_begin(&picture, 1500, 1000, 20.0));
+  SDR_TRY(sdr_picture_begin(&picture, 1500, 900, 20.0));
+  sdr_picture_place(&picture, (sdr_area){610, 80, 850, 790});
   FILE *script = picture.script;
   fputs("$d << E\n", script);
   for (int k = 0; k < t->count; ++k) {
@@ -362,13 +363,15 @@ static sdr_status draw(const table *t, const char *directory)
             median(r->without) * 1e9, 100.0 * saving_of(r).median);
   }
   fprintf(script,
-          "E\nset tics nomirror\nset border 3\nset grid x lc '#e0e0e0'\nset yrange [-0.7:%g]\n"
-          "set xrange [0:*]\nset style fill solid 1 noborder\nset lmargin 46\n"
+          "E\nset xtics nomirror\nset ytics nomirror scale 0\nset border 3\n"
+          "set grid x lc '#e0e0e0'\nset logscale x\nset yrange [-0.7:%g]\nset xrange [0.1:300]\n"
           "set xlabel 'ns a directed bond (and step), one core; figures: share saved'\n"
-          "set key center right\n"
-          "plot $d using ($2/2):($0):($2/2):(0.38):ytic(1) with boxxyerror lc '#f0a070' t 'with', "
-          "$d using ($3/2):($0):($3/2):(0.38) with boxxyerror lc '#0072b2' t 'without', "
-          "$d using 2:0:(sprintf(' %%.0f %%%%', $4)) with labels left font ',11' notitle\n",
+          "set key top right\n"
+          "plot $d using 3:0:($2-$3):(0):ytic(1) with vectors nohead lw 6 lc '#d0d0d0' notitle, "
+          "$d using 2:0 with points pt 7 ps 1.6 lc '#d55e00' t 'with', "
+          "$d using 3:0 with points pt 7 ps 1.6 lc '#0072b2' t 'without', "
+          "$d using (1.15*($2>$3?$2:$3)):0:(sprintf('%%.0f %%%%', $4)) with labels left "
+          "font ',11' notitle\n",
           t->count - 0.3);
   snprintf(path, sizeof path, "%s/skip.png", directory);
   return sdr_picture_end(&picture, path);

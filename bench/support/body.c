@@ -145,7 +145,8 @@ static sdr_status make_state_based(const bench_how *how, const double *modulus, 
 static sdr_status make_model(const bench_how *how, bench_body *body)
 {
   const sdr_points *points = body->points;
-  const sdr_bonds_how bonds_how = {.force_loose = how->loose};
+  const sdr_bonds_how bonds_how = {.force_loose = how->loose,
+                                   .in_order = how->model == SDR_NONORDINARY};
   sdr_bonds *bonds = NULL;
   double *modulus = sdr_alloc(sdr_points_padded(points), sizeof *modulus);
   sdr_status status = modulus ? SDR_OK : SDR_RUN_FAILED;
