@@ -47,6 +47,9 @@ void sdr_bonds_destroy(sdr_bonds **bonds)
   sdr_free(b->runs);
   sdr_free(b->stripe_run);
   sdr_free(b->loose.chunk_slot);
+  sdr_free(b->loose.point);
+  sdr_free(b->loose.lane);
+  sdr_free(b->loose.stripe_chunk);
   sdr_free(b->loose.j);
   for (int a = 0; a < 3; ++a) sdr_free(b->loose.xi[a]);
   sdr_free(b->loose.weight_ij);
@@ -76,9 +79,8 @@ void sdr_bonds_visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_vis
                                  void *context)
 {
   const sdr_loose *loose = &bonds->loose;
-  const int32_t chunk = i / SDR_LANES;
-  for (int64_t slot = loose->chunk_slot[chunk] + i % SDR_LANES; slot < loose->chunk_slot[chunk + 1];
-       slot += SDR_LANES) {
+  int64_t slot;
+  for (const int64_t end = sdr_loose_slots(loose, i, &slot); slot < end; slot += SDR_LANES) {
     if (loose->j[slot] == i) continue; /* padding */
     sdr_pair pair = {.i = i,
                      .j = loose->j[slot],

@@ -24,14 +24,21 @@ typedef struct {
 
 enum { SDR_LANES = 8 };
 
-/* Loose pairs, by both of their points: chunk c holds the points 8 c .. 8 c + 7 as lanes and
-   chunk_width[c] columns; entry (c, column, lane) has the slot
-   chunk_slot[c] + 8 column + lane. A pair {i, j} so has two slots, one in i's lane, one in j's.
-   Padding has j = i, weights 0 and xi = (1, 0, 0). */
+/* Loose pairs, by both of their points: chunk c has eight lanes, 8 c .. 8 c + 7, a point each, and
+   the slots chunk_slot[c] .. chunk_slot[c + 1] - 1, a column of eight after the other, one of each
+   lane: a lane has as many as the one with the most neighbours. A pair {i, j} so has two slots, one
+   in i's lane, one in j's. Padding has j = i, weights 0 and xi = (1, 0, 0). Only points with a
+   loose pair have a lane; points with equally many share chunks; a chunk has points of one stripe.
+   Lanes that are left over repeat the point before and are all padding, so that adding to it what
+   they sum to, 0, does nothing. */
 typedef struct {
   int32_t chunk_count; /* 0: no loose pairs */
   int64_t *chunk_slot; /* chunk_count + 1 */
   int64_t slot_count;
+  int32_t *point;        /* of a lane */
+  int32_t *lane;         /* of a point; -1: none */
+  int32_t *stripe_chunk; /* stripe_count + 1: stripe s has chunks [stripe_chunk[s], ... [s + 1]) */
+  int in_order;          /* see sdr_bonds_how */
   int32_t *j;
   double *xi[3];
   double *weight_ij, *weight_ji; /* of the lane's point i and the neighbour j */
@@ -56,6 +63,9 @@ typedef struct {
 /* How the bonds are to be made. */
 typedef struct {
   int force_loose; /* 1: no runs even on a lattice (tests) */
+  /* 1: lane i of the loose pairs is point i, whether it has one or not, and the lanes beyond the
+     last point are padding; a chunk belongs to the stripe that it begins in */
+  int in_order;
   /* 1: runs within each level of nested lattices, for who asks a class for nothing but what it
      holds; 0: runs only if all points have one level and one horizon */
   int levels;
@@ -100,6 +110,16 @@ void sdr_bonds_visit_stripe(const sdr_bonds *bonds, const sdr_points *points, in
 /* The pairs of one run. */
 void sdr_bonds_visit_run(const sdr_bonds *bonds, const sdr_bond_run *run, sdr_pair_visitor visit,
                          void *context);
+/* Slots of point i: *first, *first + SDR_LANES, ... below the returned end (there must be loose
+   pairs). */
+static inline int64_t sdr_loose_slots(const sdr_loose *loose, int32_t i, int64_t *first)
+{
+  const int32_t lane = loose->lane[i];
+  *first = 0;
+  if (lane < 0) return 0;
+  *first = loose->chunk_slot[lane / SDR_LANES] + lane % SDR_LANES;
+  return loose->chunk_slot[lane / SDR_LANES + 1];
+}
 /* The loose slots of point i (there must be loose pairs). */
 void sdr_bonds_visit_loose_point(const sdr_bonds *bonds, int32_t i, sdr_pair_visitor visit,
                                  void *context);

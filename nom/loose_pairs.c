@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "nom/loose_lanes.h"
 #include "nom/neighbourhood.h"
 
 #include <string.h>
@@ -73,27 +74,24 @@ static void forget_dual_only(loose_builder *build)
   memset(build->dual_only.row, 0, (count + 1) * sizeof *build->dual_only.row);
 }
 
-static int64_t degree(const loose_builder *build, int32_t i)
+static int32_t degree(const loose_builder *build, int32_t i)
 {
-  return build->family.row[i + 1] - build->family.row[i] + build->dual_only.row[i + 1] -
-         build->dual_only.row[i];
+  return (int32_t)(build->family.row[i + 1] - build->family.row[i] + build->dual_only.row[i + 1] -
+                   build->dual_only.row[i]);
 }
 
 static sdr_status size_chunks(const loose_builder *build)
 {
   sdr_loose *loose = build->loose;
   const int32_t count = build->points->count;
-  const int32_t chunks = (count + SDR_LANES - 1) / SDR_LANES;
-  loose->chunk_slot = sdr_alloc((size_t)chunks + 1, sizeof *loose->chunk_slot);
-  if (!loose->chunk_slot) return SDR_RUN_FAILED;
-  for (int32_t c = 0; c < chunks; ++c) {
-    int64_t width = 0;
-    for (int32_t i = c * SDR_LANES; i < (c + 1) * SDR_LANES && i < count; ++i)
-      if (degree(build, i) > width) width = degree(build, i);
-    loose->chunk_slot[c + 1] = loose->chunk_slot[c] + SDR_LANES * width;
-  }
-  loose->chunk_count = chunks;
-  loose->slot_count = loose->chunk_slot[chunks];
+  int32_t *pairs = sdr_alloc((size_t)count, sizeof *pairs);
+  for (int32_t i = 0; pairs && i < count; ++i) pairs[i] = degree(build, i);
+  /* One-sided: a point may be a neighbour and have none. */
+  const sdr_status status = pairs ? sdr_loose_lanes(build->points, pairs, build->how->in_order,
+                                                    build->how->one_sided, loose)
+                                  : SDR_RUN_FAILED;
+  sdr_free(pairs);
+  SDR_TRY(status);
   const size_t slots = (size_t)loose->slot_count;
   int failed = !(loose->j = sdr_alloc(slots, sizeof *loose->j));
   for (int a = 0; a < build->points->components; ++a)
@@ -122,10 +120,11 @@ static void fill_slot(const loose_builder *build, int64_t slot, int32_t i, int32
     loose->weight_ji[slot] = volumes * (how->weight ? how->weight(how->context, j, i, back) : 1.0);
 }
 
-static void fill_point(const loose_builder *build, int32_t i, int64_t slot, int64_t end)
+static void fill_lane(const loose_builder *build, int32_t lane, int64_t slot, int64_t end)
 {
   const sdr_neighbourhood *family = &build->family, *dual = &build->dual_only;
-  if (i < build->points->count) {
+  const int32_t i = build->loose->point[lane];
+  if (i < build->points->count && build->loose->lane[i] == lane) {
     for (int64_t k = family->row[i]; k < family->row[i + 1]; ++k, slot += SDR_LANES)
       fill_slot(build, slot, i, family->column[k], 1);
     for (int64_t k = dual->row[i]; k < dual->row[i + 1]; ++k, slot += SDR_LANES)
@@ -143,8 +142,7 @@ static void fill_block(void *context, int block)
   const sdr_loose *loose = build->loose;
   for (int32_t c = block * BLOCK; c < (block + 1) * BLOCK && c < loose->chunk_count; ++c)
     for (int32_t lane = 0; lane < SDR_LANES; ++lane)
-      fill_point(build, c * SDR_LANES + lane, loose->chunk_slot[c] + lane,
-                 loose->chunk_slot[c + 1]);
+      fill_lane(build, c * SDR_LANES + lane, loose->chunk_slot[c] + lane, loose->chunk_slot[c + 1]);
 }
 
 /* The weight that all pairs have both ways; 0 if they differ. */
@@ -154,7 +152,7 @@ static double shared_weight(const sdr_loose *loose)
   for (int32_t c = 0; c < loose->chunk_count; ++c)
     for (int64_t slot = loose->chunk_slot[c]; slot < loose->chunk_slot[c + 1]; ++slot) {
       const double wij = loose->weight_ij[slot], wji = loose->weight_ji[slot];
-      if (loose->j[slot] == c * SDR_LANES + slot % SDR_LANES) continue; /* padding */
+      if (loose->j[slot] == loose->point[c * SDR_LANES + slot % SDR_LANES]) continue; /* padding */
       if (shared == 0.0) shared = wij;
       if (wij != shared || wji != shared) return 0.0;
     }

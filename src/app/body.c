@@ -81,7 +81,8 @@ static sdr_status make_bonds(const sdr_scene *scene, const sdr_points *points,
                                      .bulk = (*families)->bulk,
                                      .border = (*families)->border,
                                      .levels = scene->model == SDR_BOND_BASED,
-                                     .one_sided = scene->one_sided};
+                                     .one_sided = scene->one_sided,
+                                     .in_order = scene->model == SDR_NONORDINARY};
     status = sdr_bonds_create(points, &bonds_how, bonds);
   }
   if (status != SDR_BAD_INPUT) return status;

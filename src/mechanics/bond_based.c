@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
+#include "mechanics/records.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,11 +28,27 @@ static void zero_stripe(const sdr_points *points, int s, double *const f[3])
     memset(f[a] + first, 0, (size_t)(end - first) * sizeof(double));
 }
 
+/* What loose pairs read of the points of stripe s. */
+static void write_records(const sdr_bond_body *body, int s, double *const u[3])
+{
+  const sdr_points *points = body->points;
+  const int n = points->components;
+  if (body->bonds->loose.chunk_count == 0) return;
+  for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i) {
+    if (body->bonds->loose.lane[i] < 0) continue;
+    double *const record = body->records + (size_t)i * SDR_RECORD;
+    for (int a = 0; a < n; ++a) record[a] = u[a][i];
+    if (body->stiffness_at) record[n] = body->stiffness_at[i];
+    if (body->threshold_at && n < 3) record[n + 1] = body->threshold_at[i];
+  }
+}
+
 /* Even stripes come first: they clear their own force and the next stripe's, where they add. */
 static void force_of_stripe(void *context, int s)
 {
   force_call *call = context;
   const sdr_bonds *bonds = call->model->bonds;
+  write_records(&call->model->body, s, call->u);
   if (s % 2 == 0) {
     zero_stripe(call->model->head.points, s, call->f);
     zero_stripe(call->model->head.points, s + 1, call->f);
@@ -65,7 +82,7 @@ static void book(force_call *call)
   const sdr_bond_model *model = call->model;
   if (!model->booked) return;
   sdr_parallel_for(0, model->head.points->stripe_count, 1, book_stripe, call);
-  /* A chunk may belong to two stripes, so its mark goes when both have looked. */
+  /* In order, a chunk may belong to two stripes, so its mark goes when both have looked. */
   if (model->body.chunk_fresh)
     memset(model->body.chunk_fresh, 0, (size_t)model->bonds->loose.chunk_count);
 }
@@ -255,6 +272,7 @@ static void destroy(sdr_model *model)
   sdr_free(bond->body.decline_at);
   sdr_free(bond->body.history);
   sdr_free(bond->body.loose_history);
+  sdr_free(bond->body.records);
   sdr_free(bond->body.stretch);
   sdr_free(bond->body.loose_stretch);
   sdr_free(bond->body.flags);
@@ -355,6 +373,9 @@ sdr_status sdr_bond_based_create(const sdr_points *points, sdr_bonds *bonds,
   else if (how->precise) /* implicit steps reach all of the body at once */
     memset(model->moved, 1, (size_t)points->stripe_count);
   if (status == SDR_OK) status = alloc_history(model);
+  if (status == SDR_OK && bonds->loose.chunk_count > 0 && !how->precise)
+    status = alloc_some(SDR_RECORD * sdr_points_padded(points), sizeof(double),
+                        (void **)&model->body.records);
   if (status == SDR_OK && how->mixed && !how->precise && bonds->run_count > 0 &&
       model->kernels->mixed_run_force[how->law][0][0])
     status = sdr_bond_set_mixed(&model->body);

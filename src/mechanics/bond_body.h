@@ -25,7 +25,8 @@ typedef struct {
   float *stretch, *loose_stretch;      /* k, or SDR_STRETCH_CUT, SDR_STRETCH_PROTECTED */
   int precise;
   double *history, *loose_history; /* the same in double */
-  sdr_flags *flags, *loose_flags;  /* SDR_LOST_I ... */
+  double *records; /* of points, for explicit kernels of loose pairs: u, C and, if it fits, q */
+  sdr_flags *flags, *loose_flags; /* SDR_LOST_I ... */
   uint8_t *run_marked; /* a run: 1 if one of its pairs is cut or protected; NULL: none is */
   int loose_marked;    /* 1 if some loose pair is */
   /* precision mixed: displacements over length_unit as whole numbers modulo 2^32, C over

@@ -44,10 +44,9 @@ static void energies_of_flagged(const sdr_bond_body *body, int32_t i, double *co
 {
   const sdr_loose *loose = &body->bonds->loose;
   const int n = body->points->components;
-  const int32_t chunk = i / SDR_LANES;
   double stored = 0.0;
-  for (int64_t slot = loose->chunk_slot[chunk] + i % SDR_LANES; slot < loose->chunk_slot[chunk + 1];
-       slot += SDR_LANES) {
+  int64_t slot;
+  for (const int64_t end = sdr_loose_slots(loose, i, &slot); slot < end; slot += SDR_LANES) {
     const int32_t j = loose->j[slot];
     const sdr_flags flags = body->loose_flags ? body->loose_flags[slot] : 0;
     double z = 0.0, square = 0.0;
@@ -184,8 +183,8 @@ static int any_fresh_chunk(const sdr_bond_body *body, int s)
 {
   int64_t chunk, end;
   sdr_stripe_chunks(body, s, &chunk, &end);
-  /* A stripe's first points may lie in a chunk that starts in the stripe before. */
-  if (end > 0 && chunk > 0) --chunk;
+  /* In order, a stripe's first points may lie in a chunk that starts in the stripe before. */
+  if (body->bonds->loose.in_order && end > 0 && chunk > 0) --chunk;
   for (; chunk < end; ++chunk)
     if (body->chunk_fresh[chunk]) return 1;
   return 0;

@@ -59,10 +59,9 @@ static void add_flagged_damage(const field_call *call, int32_t i)
 {
   const sdr_bond_body *body = &call->model->body;
   const sdr_loose *loose = &body->bonds->loose;
-  const int32_t chunk = i / SDR_LANES;
+  int64_t slot;
   if (!body->loose_flags) return;
-  for (int64_t slot = loose->chunk_slot[chunk] + i % SDR_LANES; slot < loose->chunk_slot[chunk + 1];
-       slot += SDR_LANES)
+  for (const int64_t end = sdr_loose_slots(loose, i, &slot); slot < end; slot += SDR_LANES)
     if (body->loose_flags[slot] & SDR_LOST_I && loose->weight_ij[slot] > 0.0)
       call->sum[0][i] += body->points->volume[loose->j[slot]];
 }

@@ -6,6 +6,7 @@
 #define SDR_MECHANICS_BOND_LOOSE_H
 
 #include "mechanics/bond_loop.h"
+#include "mechanics/records.h"
 
 /* A pair: grown = l^2 - L^2 and both = L (L + l), so that the stretch is grown/both; l; C and q of
    its points, C times weight. */
@@ -54,11 +55,12 @@ SDR_INLINE double loose_critical(const int marked, const sdr_loose_pair *p, sdr_
   return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
 }
 
-/* A chunk at work: its first point, the column at hand, displacements, and the sums of its lanes.
-   Flags are collected lane by lane: as one number for all lanes gcc would leave the loop scalar. */
+/* A chunk at work: the column at hand, displacements and constants of the lanes' points, and the
+   sums of the lanes. Flags are collected lane by lane: as one number for all lanes gcc would leave
+   the loop scalar. */
 typedef struct {
-  int64_t point, column;
-  double *const *u;
+  int64_t column;
+  _Alignas(64) double u[3][SDR_LANES], c[SDR_LANES], q[SDR_LANES], r[SDR_LANES];
   _Alignas(64) double sum[3][SDR_LANES];
   _Alignas(64) sdr_flags fresh[SDR_LANES];
   float stretch[SDR_LANES]; /* histories that nobody keeps */
@@ -106,22 +108,23 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
                                 const int marked, const int same, const sdr_bond_body *body,
                                 sdr_chunk *chunk)
 {
-  double *const *const u = chunk->u;
-  const int64_t point = chunk->point, column = chunk->column;
+  _Alignas(64) double other[SDR_RECORD][SDR_LANES];
+  const int64_t column = chunk->column;
   const sdr_loose *loose = &body->bonds->loose;
   const int32_t *const restrict neighbour = loose->j + column;
   const double c = body->stiffness, q = body->threshold;
   const sdr_column kept = history_of_column(law, body, chunk);
+  gather_records(body->records, SDR_RECORD, neighbour, other);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = point + lane;
+    const int64_t slot = column + lane;
     const int32_t j = neighbour[lane];
     const double xx = loose->xi[0][slot];
     const double xy = components > 1 ? loose->xi[1][slot] : 0.0;
     const double xz = components > 2 ? loose->xi[2][slot] : 0.0;
-    const double ex = u[0][j] - u[0][i];
-    const double ey = components > 1 ? u[1][j] - u[1][i] : 0.0;
-    const double ez = components > 2 ? u[2][j] - u[2][i] : 0.0;
+    const double ex = other[0][lane] - chunk->u[0][lane];
+    const double ey = components > 1 ? other[1][lane] - chunk->u[1][lane] : 0.0;
+    const double ez = components > 2 ? other[2][lane] - chunk->u[2][lane] : 0.0;
     const sdr_loose_squares l = loose_squares(components, xx, xy, xz, ex, ey, ez);
     const double grown = l.grown, square = l.square;
     const double present = square + grown, length = sqrt(square);
@@ -132,16 +135,18 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
     const sdr_loose_pair pair = {grown,
                                  length * (length + now),
                                  now,
-                                 wij * (each ? body->stiffness_at[i] : c),
-                                 wji * (each ? body->stiffness_at[j] : c),
-                                 each ? body->threshold_at[i] : q,
-                                 each ? body->threshold_at[j] : q};
+                                 wij * (each ? chunk->c[lane] : c),
+                                 wji * (each ? other[components][lane] : c),
+                                 each ? chunk->q[lane] : q,
+                                 !each            ? q
+                                 : components < 3 ? other[(components + 1) % SDR_RECORD][lane]
+                                                  : body->threshold_at[j]};
     double phi = 0.0;
     if (law == SDR_LAW_VARIATIONAL) {
       phi = loose_variational(each, marked, &pair, kept.stretch[lane], &kept.new_stretch[lane]);
     } else if (sdr_law_softens(law)) {
       const int second = each && law == SDR_LAW_COHESIVE;
-      const double ri = second ? body->decline_at[i] : body->decline;
+      const double ri = second ? chunk->r[lane] : body->decline;
       const double rj = second ? body->decline_at[j] : body->decline;
       phi = loose_softened(law, marked, &pair, ri, rj, kept.stretch[lane], &kept.new_stretch[lane]);
     } else {
@@ -162,14 +167,27 @@ SDR_INLINE void force_of_column(const int components, const int law, const int e
   }
 }
 
+SDR_INLINE void load_chunk(const int components, const int law, const int each,
+                           const sdr_bond_body *body, const int32_t *point, double *const u[3],
+                           sdr_chunk *to)
+{
+  for (int a = 0; a < components; ++a) load_points(u[a], point, to->u[a]);
+  if (!each) return;
+  load_points(body->stiffness_at, point, to->c);
+  load_points(body->threshold_at, point, to->q);
+  if (law == SDR_LAW_COHESIVE) load_points(body->decline_at, point, to->r);
+}
+
 SDR_INLINE void force_of_chunk(const int components, const int law, const int each,
                                const sdr_bond_body *body, int64_t chunk, double *const u[3],
                                double *const f[3])
 {
   const sdr_loose *loose = &body->bonds->loose;
+  const int32_t *const point = loose->point + chunk * SDR_LANES;
   const int64_t end = loose->chunk_slot[chunk + 1];
   const int same = loose->shared_weight != 0.0;
-  sdr_chunk work = {.point = chunk * SDR_LANES, .column = loose->chunk_slot[chunk], .u = u};
+  sdr_chunk work = {.column = loose->chunk_slot[chunk]};
+  load_chunk(components, law, each, body, point, u, &work);
   for (; work.column < end; work.column += SDR_LANES)
     if (body->loose_marked)
       force_of_column(components, law, each, 1, 0, body, &work);
@@ -177,8 +195,7 @@ SDR_INLINE void force_of_chunk(const int components, const int law, const int ea
       force_of_column(components, law, each, 0, 1, body, &work);
     else
       force_of_column(components, law, each, 0, 0, body, &work);
-  for (int a = 0; a < components; ++a)
-    for (int lane = 0; lane < SDR_LANES; ++lane) f[a][work.point + lane] += work.sum[a][lane];
+  for (int a = 0; a < components; ++a) add_to_points(work.sum[a], point, f[a]);
   if (law != SDR_LAW_CRITICAL_STRETCH || !body->commit) return;
   for (int lane = 0; lane < SDR_LANES; ++lane)
     if (work.fresh[lane] & (SDR_FRESH_I | SDR_FRESH_J)) body->chunk_fresh[chunk] = 1;

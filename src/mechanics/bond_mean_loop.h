@@ -237,11 +237,32 @@ SDR_INLINE void mean_diagonal_of_runs(const int components, const sdr_bond_body 
 
 /* ---- loose pairs ----------------------------------------------------------------------------- */
 
-SDR_INLINE sdr_precise_vector loose_motion(const int components, double *const u[3], int64_t i,
-                                           int32_t j)
+/* What a chunk's points read of themselves: u0, u1 and v, and constants. */
+typedef struct {
+  _Alignas(64) double u0[3][SDR_LANES], u1[3][SDR_LANES], v[3][SDR_LANES];
+  _Alignas(64) double c[SDR_LANES], q[SDR_LANES], r[SDR_LANES];
+} sdr_mean_own;
+
+SDR_INLINE void mean_own(const int components, const int law, const int each, const int times,
+                         const sdr_bond_body *body, const int32_t *point, const sdr_mean_step *step,
+                         sdr_mean_own *to)
 {
-  return (sdr_precise_vector){u[0][j] - u[0][i], components > 1 ? u[1][j] - u[1][i] : 0.0,
-                              components > 2 ? u[2][j] - u[2][i] : 0.0};
+  for (int a = 0; a < components; ++a) {
+    load_points(step->u0[a], point, to->u0[a]);
+    load_points(step->u1[a], point, to->u1[a]);
+    if (times) load_points(step->v[a], point, to->v[a]);
+  }
+  if (!each || times) return;
+  load_points(body->stiffness_at, point, to->c);
+  load_points(body->threshold_at, point, to->q);
+  if (law == SDR_LAW_COHESIVE) load_points(body->decline_at, point, to->r);
+}
+
+SDR_INLINE sdr_precise_vector loose_motion(const int components, double *const u[3],
+                                           double own[3][SDR_LANES], int lane, int32_t j)
+{
+  return (sdr_precise_vector){u[0][j] - own[0][lane], components > 1 ? u[1][j] - own[1][lane] : 0.0,
+                              components > 2 ? u[2][j] - own[2][lane] : 0.0};
 }
 
 SDR_INLINE sdr_precise_vector loose_bond(const int components, const sdr_loose *loose, int64_t slot)
@@ -251,7 +272,7 @@ SDR_INLINE sdr_precise_vector loose_bond(const int components, const sdr_loose *
 }
 
 SDR_INLINE void mean_column(const int components, const int law, const int each, const int kept,
-                            const sdr_bond_body *body, int64_t point, int64_t column,
+                            const sdr_bond_body *body, sdr_mean_own *own, int64_t column,
                             const sdr_mean_step *step, double sum[3][SDR_LANES])
 {
   const sdr_loose *loose = &body->bonds->loose;
@@ -259,19 +280,19 @@ SDR_INLINE void mean_column(const int components, const int law, const int each,
   const int second = each && law == SDR_LAW_COHESIVE;
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = point + lane;
+    const int64_t slot = column + lane;
     const int32_t j = loose->j[slot];
     const sdr_precise_vector xi = loose_bond(components, loose, slot);
-    const sdr_precise_vector e0 = loose_motion(components, step->u0, i, j);
-    const sdr_precise_vector e1 = loose_motion(components, step->u1, i, j);
+    const sdr_precise_vector e0 = loose_motion(components, step->u0, own->u0, lane, j);
+    const sdr_precise_vector e1 = loose_motion(components, step->u1, own->u1, lane, j);
     const double square = xi.x * xi.x + xi.y * xi.y + xi.z * xi.z;
     const sdr_mean_pair pair = {
         .length = sqrt(square),
-        .wi = loose->weight_ij[slot] * (each ? body->stiffness_at[i] : body->stiffness),
+        .wi = loose->weight_ij[slot] * (each ? own->c[lane] : body->stiffness),
         .wj = loose->weight_ji[slot] * (each ? body->stiffness_at[j] : body->stiffness),
-        .qi = each ? body->threshold_at[i] : body->threshold,
+        .qi = each ? own->q[lane] : body->threshold,
         .qj = each ? body->threshold_at[j] : body->threshold,
-        .ri = second ? body->decline_at[i] : body->decline,
+        .ri = second ? own->r[lane] : body->decline,
         .rj = second ? body->decline_at[j] : body->decline,
         .before = sdr_law_softens(law) ? body->loose_history[slot] : 0.0,
         .flags = flagged ? body->loose_flags[slot] : 0};
@@ -288,18 +309,18 @@ SDR_INLINE void mean_column(const int components, const int law, const int each,
   }
 }
 
-SDR_INLINE void product_column(const int components, const sdr_bond_body *body, int64_t point,
+SDR_INLINE void product_column(const int components, const sdr_bond_body *body, sdr_mean_own *own,
                                int64_t column, const sdr_mean_step *step, double sum[3][SDR_LANES])
 {
   const sdr_loose *loose = &body->bonds->loose;
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = point + lane;
+    const int64_t slot = column + lane;
     const int32_t j = loose->j[slot];
     const sdr_precise_vector xi = loose_bond(components, loose, slot);
-    const sdr_precise_vector e0 = loose_motion(components, step->u0, i, j);
-    const sdr_precise_vector e1 = loose_motion(components, step->u1, i, j);
-    const sdr_precise_vector dv = loose_motion(components, step->v, i, j);
+    const sdr_precise_vector e0 = loose_motion(components, step->u0, own->u0, lane, j);
+    const sdr_precise_vector e1 = loose_motion(components, step->u1, own->u1, lane, j);
+    const sdr_precise_vector dv = loose_motion(components, step->v, own->v, lane, j);
     const double g = step->loose_g[slot];
     double along = (xi.x + e1.x) * dv.x;
     if (components > 1) along += (xi.y + e1.y) * dv.y;
@@ -318,15 +339,16 @@ SDR_INLINE void mean_of_loose(const int components, const int law, const int eac
 {
   const int64_t *const slot = body->bonds->loose.chunk_slot;
   for (int64_t chunk = first; chunk < end; ++chunk) {
-    const int64_t point = chunk * SDR_LANES;
+    const int32_t *const point = body->bonds->loose.point + chunk * SDR_LANES;
     _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
+    sdr_mean_own own = {0};
+    mean_own(components, law, each, times, body, point, step, &own);
     for (int64_t column = slot[chunk]; column < slot[chunk + 1]; column += SDR_LANES)
       if (times)
-        product_column(components, body, point, column, step, sum);
+        product_column(components, body, &own, column, step, sum);
       else
-        mean_column(components, law, each, kept, body, point, column, step, sum);
-    for (int a = 0; a < components; ++a)
-      for (int lane = 0; lane < SDR_LANES; ++lane) step->out[a][point + lane] += sum[a][lane];
+        mean_column(components, law, each, kept, body, &own, column, step, sum);
+    for (int a = 0; a < components; ++a) add_to_points(sum[a], point, step->out[a]);
   }
 }
 

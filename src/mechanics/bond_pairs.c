@@ -53,10 +53,9 @@ sdr_pair_answer sdr_pair_answer_at(const sdr_bond_body *body, const sdr_pair *pa
 
 void sdr_stripe_chunks(const sdr_bond_body *body, int s, int64_t *first, int64_t *end)
 {
-  const int32_t *stripe = body->points->stripe_first;
-  const int some = body->bonds->loose.chunk_count > 0;
-  *first = some ? (stripe[s] + SDR_LANES - 1) / SDR_LANES : 0;
-  *end = some ? (stripe[s + 1] + SDR_LANES - 1) / SDR_LANES : 0;
+  const sdr_loose *loose = &body->bonds->loose;
+  *first = loose->chunk_count > 0 ? loose->stripe_chunk[s] : 0;
+  *end = loose->chunk_count > 0 ? loose->stripe_chunk[s + 1] : 0;
 }
 
 void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context)

@@ -7,6 +7,7 @@
 
 #include "damage/bond_law.h"
 #include "mechanics/bond_body.h"
+#include "mechanics/records.h"
 
 #define SDR_INLINE static inline __attribute__((always_inline))
 
@@ -324,27 +325,46 @@ SDR_INLINE sdr_precise_loose precise_loose(const sdr_bond_body *body, double *co
                              .shared_r = body->decline};
 }
 
+/* Displacements and constants of a chunk's points. */
+typedef struct {
+  _Alignas(64) double x[SDR_LANES], y[SDR_LANES], z[SDR_LANES];
+  _Alignas(64) double c[SDR_LANES], q[SDR_LANES], r[SDR_LANES];
+} sdr_precise_own;
+
+SDR_INLINE void precise_own(const int components, const int law, const int each,
+                            const sdr_precise_loose in, const int32_t *point, sdr_precise_own *to)
+{
+  load_points(in.ux, point, to->x);
+  if (components > 1) load_points(in.uy, point, to->y);
+  if (components > 2) load_points(in.uz, point, to->z);
+  if (!each) return;
+  load_points(in.c, point, to->c);
+  load_points(in.q, point, to->q);
+  if (law == SDR_LAW_COHESIVE) load_points(in.r, point, to->r);
+}
+
 SDR_INLINE sdr_precise_slot precise_slot(const int components, const int law, const int each,
-                                         const int flagged, const sdr_precise_loose in, int64_t i,
-                                         int64_t slot)
+                                         const int flagged, const sdr_precise_loose in,
+                                         const sdr_precise_own *own, int lane, int64_t slot)
 {
   const int32_t j = in.j[slot];
   const sdr_precise_vector xi = {in.x[slot], components > 1 ? in.y[slot] : 0.0,
                                  components > 2 ? in.z[slot] : 0.0};
-  const sdr_precise_vector e = {in.ux[j] - in.ux[i], components > 1 ? in.uy[j] - in.uy[i] : 0.0,
-                                components > 2 ? in.uz[j] - in.uz[i] : 0.0};
+  const sdr_precise_vector e = {in.ux[j] - own->x[lane],
+                                components > 1 ? in.uy[j] - own->y[lane] : 0.0,
+                                components > 2 ? in.uz[j] - own->z[lane] : 0.0};
   const double square = xi.x * xi.x + xi.y * xi.y + xi.z * xi.z;
   const double z = precise_growth(components, xi, e) / square;
   const double ratio = precise_ratio(z), s = z / (1.0 + ratio);
   const int second = each && law == SDR_LAW_COHESIVE;
-  const double qi = each ? in.q[i] : in.shared_q, qj = each ? in.q[j] : in.shared_q;
-  const double ri = second ? in.r[i] : in.shared_r, rj = second ? in.r[j] : in.shared_r;
+  const double qi = each ? own->q[lane] : in.shared_q, qj = each ? in.q[j] : in.shared_q;
+  const double ri = second ? own->r[lane] : in.shared_r, rj = second ? in.r[j] : in.shared_r;
   const double before = sdr_law_softens(law) ? in.history[slot] : 0.0;
   const sdr_flags flags = flagged ? in.flags[slot] : 0;
   return (sdr_precise_slot){{xi.x + e.x, xi.y + e.y, xi.z + e.z},
                             sqrt(square),
                             ratio,
-                            in.weight_ij[slot] * (each ? in.c[i] : in.shared_c),
+                            in.weight_ij[slot] * (each ? own->c[lane] : in.shared_c),
                             in.weight_ji[slot] * (each ? in.c[j] : in.shared_c),
                             precise_answer(law, 1, s, before, flags & SDR_LOST_I, qi, ri),
                             precise_answer(law, 1, s, before, flags & SDR_LOST_J, qj, rj),
@@ -353,13 +373,13 @@ SDR_INLINE sdr_precise_slot precise_slot(const int components, const int law, co
 
 /* A column of a chunk of eight points, one slot each. */
 SDR_INLINE void precise_column(const int components, const int law, const int each,
-                               const int flagged, const sdr_precise_loose in, int64_t point,
-                               int64_t column, double sum[3][SDR_LANES])
+                               const int flagged, const sdr_precise_loose in,
+                               const sdr_precise_own *own, int64_t column, double sum[3][SDR_LANES])
 {
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
     const sdr_precise_slot p =
-        precise_slot(components, law, each, flagged, in, point + lane, column + lane);
+        precise_slot(components, law, each, flagged, in, own, lane, column + lane);
     const double phi = (p.weight_ij * p.ij.force + p.weight_ji * p.ji.force) / (p.length * p.ratio);
     sum[0][lane] += phi * p.now.x;
     if (components > 1) sum[1][lane] += phi * p.now.y;
@@ -375,28 +395,30 @@ SDR_INLINE void precise_force_of_loose(const int components, const int law, cons
   const int flagged = !sdr_law_softens(law) && body->loose_flags;
   const sdr_precise_loose in = precise_loose(body, u);
   for (int64_t chunk = first; chunk < end; ++chunk) {
-    const int64_t point = chunk * SDR_LANES;
+    const int32_t *const point = body->bonds->loose.point + chunk * SDR_LANES;
     _Alignas(64) double sum[3][SDR_LANES] = {{0.0}};
+    sdr_precise_own own = {0};
+    precise_own(components, law, each, in, point, &own);
     for (int64_t column = slot[chunk]; column < slot[chunk + 1]; column += SDR_LANES)
       if (flagged)
-        precise_column(components, law, each, 1, in, point, column, sum);
+        precise_column(components, law, each, 1, in, &own, column, sum);
       else
-        precise_column(components, law, each, 0, in, point, column, sum);
-    for (int a = 0; a < components; ++a)
-      for (int lane = 0; lane < SDR_LANES; ++lane) f[a][point + lane] += sum[a][lane];
+        precise_column(components, law, each, 0, in, &own, column, sum);
+    for (int a = 0; a < components; ++a) add_to_points(sum[a], point, f[a]);
   }
 }
 
 /* Each slot books the directed bond of its own lane. */
 SDR_INLINE void precise_column_energies(const int components, const int law, const int each,
                                         const int flagged, const sdr_precise_loose in,
-                                        int64_t point, int64_t column, sdr_stripe_energies *sum)
+                                        const sdr_precise_own *own, int64_t column,
+                                        sdr_stripe_energies *sum)
 {
   double stored = 0.0, dissipated = 0.0, most = sum->max_damage, broken = 0.0;
 #pragma omp simd reduction(+ : stored, dissipated, broken) reduction(max : most)
   for (int lane = 0; lane < SDR_LANES; ++lane) {
     const sdr_precise_slot p =
-        precise_slot(components, law, each, flagged, in, point + lane, column + lane);
+        precise_slot(components, law, each, flagged, in, own, lane, column + lane);
     const double weight = p.weight_ij * p.length;
     const double kept = 1.0 - (double)((p.flags & SDR_CUT) / SDR_CUT);
     const double present = weight > 0.0 ? kept : 0.0;
@@ -419,12 +441,15 @@ SDR_INLINE void precise_energies_of_loose(const int components, const int law, c
   const int64_t *const slot = body->bonds->loose.chunk_slot;
   const int flagged = !sdr_law_softens(law) && body->loose_flags;
   const sdr_precise_loose in = precise_loose(body, u);
-  for (int64_t chunk = first; chunk < end; ++chunk)
+  for (int64_t chunk = first; chunk < end; ++chunk) {
+    sdr_precise_own own = {0};
+    precise_own(components, law, each, in, body->bonds->loose.point + chunk * SDR_LANES, &own);
     for (int64_t column = slot[chunk]; column < slot[chunk + 1]; column += SDR_LANES)
       if (flagged)
-        precise_column_energies(components, law, each, 1, in, chunk * SDR_LANES, column, sum);
+        precise_column_energies(components, law, each, 1, in, &own, column, sum);
       else
-        precise_column_energies(components, law, each, 0, in, chunk * SDR_LANES, column, sum);
+        precise_column_energies(components, law, each, 0, in, &own, column, sum);
+  }
 }
 
 #endif

@@ -387,6 +387,8 @@ static sdr_status make(sdr_nonordinary_model *model, const sdr_points *points, s
                        const sdr_state_based_how *how)
 {
   SDR_TRY(sdr_state_body_init(&model->state, &ops, &hooks, points, bonds, how));
+  if (bonds->loose.chunk_count > 0 && !bonds->loose.in_order)
+    return sdr_fail(SDR_BAD_INPUT, "non-ordinary bodies take loose pairs in order only");
   model->kernels = best_kernels();
   model->elasticity = how->elasticity;
   model->split = how->law == SDR_LAW_VARIATIONAL ? (int)how->split : SDR_SPLIT_WHOLE;

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "mechanics/bond_internal.h"
 #include "mechanics/isa.h"
+#include "mechanics/records.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,6 +25,14 @@ static void zero_range(double *array, int32_t first, int32_t end)
   if (array) memset(array + first, 0, (size_t)(end - first) * sizeof *array);
 }
 
+/* What loose pairs read of the points of stripe s: a component, or a coefficient behind them. */
+static void write_records(const sdr_ordinary *o, int s, int at, const double *from)
+{
+  const sdr_points *points = o->body.head.points;
+  for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+    o->records[(size_t)i * SDR_RECORD + (size_t)at] = from[i];
+}
+
 /* Even stripes come first: they clear their own sums and the next stripe's, where they add. */
 static void sums_of_stripe(void *context, int s)
 {
@@ -36,6 +45,7 @@ static void sums_of_stripe(void *context, int s)
     zero_range(o->lost, stripe[k], stripe[k + 1]);
     if (call->squares) zero_range(o->square, stripe[k], stripe[k + 1]);
   }
+  for (int a = 0; o->records && a < points->components; ++a) write_records(o, s, a, call->u[a]);
   if (sdr_state_rests(&o->body, s, 0, 1)) return;
   const int64_t *run = o->body.bonds->stripe_run;
   call->run_sums(o, run[s], run[s + 1], call->u);
@@ -81,6 +91,9 @@ static void force_of_stripe(void *context, int s)
   for (int k = s; s % 2 == 0 && k < s + 2 && k < points->stripe_count; ++k) {
     call->points(o, stripe[k], stripe[k + 1], call->commit);
     for (int a = 0; a < points->components; ++a) zero_range(call->f[a], stripe[k], stripe[k + 1]);
+    if (o->records) write_records(o, k, points->components, o->along);
+    if (o->records && points->components < 3)
+      write_records(o, k, points->components + 1, o->across);
   }
   /* Loose pairs reach any stripe, and so do the sums that they add to. */
   if (o->body.bonds->loose.chunk_count == 0 && sdr_state_rests(&o->body, s, 1, 2)) return;
@@ -246,8 +259,8 @@ static void destroy(sdr_model *model)
   sdr_ordinary *o = (sdr_ordinary *)model;
   if (!o) return;
   sdr_state_body_clear(&o->body);
-  void *const blocks[] = {o->classes, o->t,      o->a,    o->b,     o->whole,
-                          o->sum,     o->square, o->lost, o->along, o->across};
+  void *const blocks[] = {o->classes, o->t,    o->a,     o->b,      o->whole,  o->sum,
+                          o->square,  o->lost, o->along, o->across, o->records};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; ++k) sdr_free(blocks[k]);
   for (int k = 0; k < SDR_ORDINARY_BOOKS; ++k) sdr_free(o->book[k]);
   for (int k = 0; k < 2; ++k) sdr_free(o->slope[k]);
@@ -306,6 +319,9 @@ static sdr_status alloc_arrays(sdr_ordinary *o)
                              &o->sum, &o->square, &o->along, &o->across};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; ++k)
     if (!(*arrays[k] = sdr_alloc(padded, sizeof(double)))) return SDR_RUN_FAILED;
+  if (o->body.bonds->loose.chunk_count > 0 &&
+      !(o->records = sdr_alloc(SDR_RECORD * padded, sizeof(double))))
+    return SDR_RUN_FAILED;
   if (o->body.law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
   if (!(o->lost = sdr_alloc(padded, sizeof(double)))) return SDR_RUN_FAILED;
   for (int k = 0; k < SDR_ORDINARY_BOOKS; ++k)

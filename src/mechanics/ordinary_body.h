@@ -44,7 +44,8 @@ typedef struct {
      (critical_stretch), and the coefficients of the forces. */
   double *sum, *square, *lost;
   double *along, *across; /* a and c above, damage included */
-  double *slope[2];       /* tangents: what a and c change by; made when first asked for */
+  double *records;  /* of points with loose pairs (NULL: none): u, along and, if it fits, across */
+  double *slope[2]; /* tangents: what a and c change by; made when first asked for */
   double *book[SDR_ORDINARY_BOOKS]; /* critical_stretch: see ordinary_book.c */
 } sdr_ordinary;
 

@@ -5,6 +5,7 @@
 #define SDR_MECHANICS_ORDINARY_LOOSE_H
 
 #include "mechanics/ordinary_loop.h"
+#include "mechanics/records.h"
 
 /* One slot: the present vector from point to point (of the reference shape if linear), xi^2 and
    1/xi^2, stretch and r = 1 + stretch. */
@@ -12,14 +13,27 @@ typedef struct {
   double y[3], square, inverse, s, r;
 } sdr_ordinary_slot;
 
+/* A chunk at work: its points, what they have, and the sums of its lanes. */
+typedef struct {
+  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], lost[SDR_LANES], force[3][SDR_LANES];
+  _Alignas(64) double u[3][SDR_LANES], along[SDR_LANES], across[SDR_LANES];
+  _Alignas(64) sdr_flags fresh[SDR_LANES];
+  const int32_t *point;
+} sdr_ordinary_chunk;
+
+/* What a column's neighbours have: displacements, then the coefficients of forces that fit. */
+typedef struct {
+  _Alignas(64) double of[SDR_RECORD][SDR_LANES];
+} sdr_ordinary_others;
+
 SDR_INLINE sdr_ordinary_slot slot_at(const int components, const int linear, const sdr_loose *loose,
-                                     int64_t slot, int64_t i, double *const u[3])
+                                     int64_t slot, int lane, sdr_ordinary_chunk *chunk,
+                                     sdr_ordinary_others *other)
 {
-  const int32_t j = loose->j[slot];
   sdr_ordinary_slot p = {.y = {0.0}};
   double z = 0.0;
   for (int a = 0; a < components; ++a) {
-    const double xi = loose->xi[a][slot], eta = u[a][j] - u[a][i];
+    const double xi = loose->xi[a][slot], eta = other->of[a][lane] - chunk->u[a][lane];
     p.y[a] = linear ? xi : xi + eta;
     p.square += xi * xi;
     z += linear ? xi * eta : (2.0 * xi + eta) * eta;
@@ -51,9 +65,9 @@ SDR_INLINE double loose_r(int printed, const sdr_ordinary_slot *p)
 /* What flags there are: none, some, some where all points share one threshold (no gather). */
 enum { SDR_LOOSE_UNFLAGGED, SDR_LOOSE_FLAGGED, SDR_LOOSE_SHARED };
 
-/* Flags of a slot as this pass sees them. */
+/* Flags of a slot of point i as this pass sees them. */
 SDR_INLINE sdr_flags loose_flags_of(const int use, const int flagged, const sdr_ordinary *o,
-                                    int64_t slot, int64_t i, double s)
+                                    int64_t slot, int32_t i, double s)
 {
   const sdr_flags before = o->body.loose_flags[slot];
   const double *const q = o->body.threshold, one = o->weakest;
@@ -62,14 +76,6 @@ SDR_INLINE sdr_flags loose_flags_of(const int use, const int flagged, const sdr_
   return grown_flags(before, s, q[i], q[o->body.bonds->loose.j[slot]]);
 }
 
-/* A chunk at work: its first point, and the sums of its lanes. */
-typedef struct {
-  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], lost[SDR_LANES], force[3][SDR_LANES];
-  _Alignas(64) sdr_flags fresh[SDR_LANES];
-  int64_t point;
-  double *const *u;
-} sdr_ordinary_chunk;
-
 SDR_INLINE void sums_of_column(const int components, const int squares, const int use,
                                const int flagged, const int linear, sdr_ordinary *o,
                                sdr_ordinary_chunk *chunk, int64_t column)
@@ -77,14 +83,16 @@ SDR_INLINE void sums_of_column(const int components, const int squares, const in
   const sdr_loose *loose = &o->body.bonds->loose;
   const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
   sdr_flags *const flags = flagged ? o->body.loose_flags + column : NULL;
+  sdr_ordinary_others other;
+  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = chunk->point + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const int64_t slot = column + lane;
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
     const double w = loose->weight_ij[slot], p = w * loose_p(printed, &pair);
     double s = pair.s;
     if (flagged) {
-      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, i, s);
+      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, chunk->point[lane], s);
       s = grown & SDR_LOST_I ? 0.0 : s;
       const double r = w * loose_r(printed, &pair);
       chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? r : 0.0;
@@ -115,11 +123,12 @@ SDR_INLINE int sums_of_clean(const int components, const int squares, const int 
   _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], most[SDR_LANES];
   const sdr_loose *loose = &o->body.bonds->loose;
   const double shared = loose->shared_weight, weakest = o->weakest;
+  sdr_ordinary_others other;
+  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
     const int64_t slot = column + lane;
-    const sdr_ordinary_slot pair =
-        slot_at(components, linear, loose, slot, chunk->point + lane, chunk->u);
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
     const double w = same ? shared : loose->weight_ij[slot], p = w * pair.square;
     sum[lane] = p * pair.s;
     square[lane] = squares ? p * pair.s * pair.s : 0.0;
@@ -157,18 +166,27 @@ SDR_INLINE void sums_of_loose(const int components, const int squares, const int
 {
   for (int64_t c = first; c < end; ++c) {
     const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
-    sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
+    sdr_ordinary_chunk chunk = {.point = o->body.bonds->loose.point + c * SDR_LANES};
+    for (int a = 0; a < components; ++a) load_points(u[a], chunk.point, chunk.u[a]);
     for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
       sums_of_any(components, squares, use, flagged, linear, o, &chunk, column);
     sdr_flags fresh = 0;
-    for (int lane = 0; lane < SDR_LANES; ++lane) {
-      o->sum[chunk.point + lane] += chunk.sum[lane];
-      if (squares) o->square[chunk.point + lane] += chunk.square[lane];
-      if (o->lost) o->lost[chunk.point + lane] += chunk.lost[lane];
-      fresh |= chunk.fresh[lane];
-    }
+    add_to_points(chunk.sum, chunk.point, o->sum);
+    if (squares) add_to_points(chunk.square, chunk.point, o->square);
+    if (o->lost) add_to_points(chunk.lost, chunk.point, o->lost);
+    for (int lane = 0; lane < SDR_LANES; ++lane) fresh |= chunk.fresh[lane];
     if (use && fresh & (SDR_FRESH_I | SDR_FRESH_J)) o->body.chunk_fresh[c] = 1;
   }
+}
+
+SDR_INLINE double other_along(const int components, const sdr_ordinary_others *other, int lane)
+{
+  return other->of[components][lane];
+}
+SDR_INLINE double other_across(const int components, const sdr_ordinary *o,
+                               const sdr_ordinary_others *other, int lane, int32_t j)
+{
+  return components < 3 ? other->of[(components + 1) % SDR_RECORD][lane] : o->across[j];
 }
 
 SDR_INLINE void force_of_column(const int components, const int flagged, const int linear,
@@ -176,14 +194,17 @@ SDR_INLINE void force_of_column(const int components, const int flagged, const i
 {
   const sdr_loose *loose = &o->body.bonds->loose;
   const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+  sdr_ordinary_others other;
+  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = chunk->point + lane;
-    const int32_t j = loose->j[slot];
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
+    const int64_t slot = column + lane;
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
     const double p = loose_p(printed, &pair), q = loose_q(printed, &pair) * pair.s;
-    double hi = loose->weight_ij[slot] * (p * o->along[i] + q * o->across[i]);
-    double hj = loose->weight_ji[slot] * (p * o->along[j] + q * o->across[j]);
+    double hi = loose->weight_ij[slot] * (p * chunk->along[lane] + q * chunk->across[lane]);
+    double hj =
+        loose->weight_ji[slot] * (p * other_along(components, &other, lane) +
+                                  q * other_across(components, o, &other, lane, loose->j[slot]));
     if (flagged) {
       const sdr_flags flags = o->body.loose_flags[slot];
       hi = flags & SDR_LOST_I ? 0.0 : hi;
@@ -200,19 +221,20 @@ SDR_INLINE void force_of_clean(const int components, const int linear, const int
 {
   const sdr_loose *loose = &o->body.bonds->loose;
   const double shared = loose->shared_weight;
+  sdr_ordinary_others other;
+  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane, i = chunk->point + lane;
+    const int64_t slot = column + lane;
     const int32_t j = loose->j[slot];
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, i, chunk->u);
-    const double along =
-        same ? o->along[i] + o->along[j]
-             : loose->weight_ij[slot] * o->along[i] + loose->weight_ji[slot] * o->along[j];
-    const double across =
-        same ? o->across[i] + o->across[j]
-             : loose->weight_ij[slot] * o->across[i] + loose->weight_ji[slot] * o->across[j];
+    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
+    const double along_j = other_along(components, &other, lane);
+    const double across_j = other_across(components, o, &other, lane, j);
+    const double wi = same ? 1.0 : loose->weight_ij[slot], wj = same ? 1.0 : loose->weight_ji[slot];
+    const double along = wi * chunk->along[lane] + wj * along_j;
+    const double across = wi * chunk->across[lane] + wj * across_j;
     double phi = (along + across * pair.s) / pair.r;
-    if (same) phi = j == i ? 0.0 : phi * shared;
+    if (same) phi = j == chunk->point[lane] ? 0.0 : phi * shared;
     for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
   }
 }
@@ -232,15 +254,18 @@ SDR_INLINE void force_of_loose(const int components, const int flagged, const in
                                const sdr_ordinary *o, int64_t first, int64_t end,
                                double *const u[3], double *const f[3])
 {
-  const double sign = linear ? -1.0 : 1.0;
   for (int64_t c = first; c < end; ++c) {
     const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
-    sdr_ordinary_chunk chunk = {.point = c * SDR_LANES, .u = u};
+    sdr_ordinary_chunk chunk = {.point = o->body.bonds->loose.point + c * SDR_LANES};
+    for (int a = 0; a < components; ++a) load_points(u[a], chunk.point, chunk.u[a]);
+    load_points(o->along, chunk.point, chunk.along);
+    load_points(o->across, chunk.point, chunk.across);
     for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
       force_of_any(components, flagged, linear, o, &chunk, column);
-    for (int a = 0; a < components; ++a)
-      for (int lane = 0; lane < SDR_LANES; ++lane)
-        f[a][chunk.point + lane] += sign * chunk.force[a][lane];
+    for (int a = 0; a < components; ++a) {
+      for (int lane = 0; linear && lane < SDR_LANES; ++lane) chunk.force[a][lane] *= -1.0;
+      add_to_points(chunk.force[a], chunk.point, f[a]);
+    }
   }
 }
 

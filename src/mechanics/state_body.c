@@ -269,10 +269,9 @@ sdr_status sdr_state_mark(sdr_model *model, sdr_pair_mark mark, const void *cont
 
 void sdr_state_chunks(const sdr_state_body *body, int s, int64_t *first, int64_t *end)
 {
-  const int32_t *stripe = body->head.points->stripe_first;
-  const int some = body->bonds->loose.chunk_count > 0;
-  *first = some ? (stripe[s] + SDR_LANES - 1) / SDR_LANES : 0;
-  *end = some ? (stripe[s + 1] + SDR_LANES - 1) / SDR_LANES : 0;
+  const sdr_loose *loose = &body->bonds->loose;
+  *first = loose->chunk_count > 0 ? loose->stripe_chunk[s] : 0;
+  *end = loose->chunk_count > 0 ? loose->stripe_chunk[s + 1] : 0;
 }
 
 typedef struct {

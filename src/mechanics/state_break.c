@@ -84,7 +84,7 @@ static int64_t lose_all(break_call *call, double least)
   for (int32_t i = 0; bonds->loose.chunk_count > 0 && i < count; ++i) {
     call->fresh = 0;
     sdr_bonds_visit_loose_point(bonds, i, lose, call);
-    if (call->fresh) body->chunk_fresh[i / SDR_LANES] = 1;
+    if (call->fresh) body->chunk_fresh[bonds->loose.lane[i] / SDR_LANES] = 1;
   }
   sdr_state_book(body, call->u, NULL, 0.0);
   return lost_halves(body) - before;

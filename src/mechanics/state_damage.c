@@ -70,7 +70,7 @@ static void break_stripe(void *context, int s)
   for (int32_t i = stripe[s]; bonds->loose.chunk_count > 0 && i < stripe[s + 1]; ++i) {
     call.fresh = 0;
     sdr_bonds_visit_loose_point(bonds, i, break_pair, &call);
-    if (call.fresh) body->chunk_fresh[i / SDR_LANES] = 1;
+    if (call.fresh) body->chunk_fresh[bonds->loose.lane[i] / SDR_LANES] = 1;
   }
 }
 
@@ -121,7 +121,8 @@ static void each_fresh_pair(const sdr_state_body *body, int s, sdr_pair_visitor 
   for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r)
     if (body->run_fresh[r]) sdr_bonds_visit_run(bonds, &bonds->runs[r], visit, context);
   for (int32_t i = stripe[s]; body->chunk_fresh && i < stripe[s + 1]; ++i)
-    if (body->chunk_fresh[i / SDR_LANES]) sdr_bonds_visit_loose_point(bonds, i, visit, context);
+    if (bonds->loose.lane[i] >= 0 && body->chunk_fresh[bonds->loose.lane[i] / SDR_LANES])
+      sdr_bonds_visit_loose_point(bonds, i, visit, context);
 }
 
 static void mark_stripe(void *context, int s)
@@ -184,7 +185,7 @@ void sdr_state_book(sdr_state_body *body, double *const u[3], double *const v[3]
     body->hooks->remake_fresh(body);
   }
   sdr_parallel_for(0, points->stripe_count, 1, clear_stripe, body);
-  /* A chunk may belong to two stripes, so its mark goes when both have looked. */
+  /* In order, a chunk may belong to two stripes, so its mark goes when both have looked. */
   if (body->chunk_fresh) memset(body->chunk_fresh, 0, chunks);
 }
 

@@ -68,6 +68,7 @@ static inline nonordinary nonordinary_create_of(const nonordinary_how *how, sdr_
                        (points->material[i] == 1 ? 0.5 : 1.0);
   nonordinary_toughness(&b);
   const sdr_bonds_how bonds_how = {.force_loose = how->shape.force_loose,
+                                   .in_order = 1,
                                    .weight = sdr_families_weight,
                                    .context = b.shape.families,
                                    .bulk = b.shape.families->bulk};
