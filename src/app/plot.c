@@ -89,6 +89,8 @@ static sdr_status draw(sdr_rundata *run, const sdr_plot_options *options, FILE *
   if (options->movie) {
     const sdr_view_how how = view_how(options);
     int last;
+    if (!isnan(options->time))
+      return sdr_fail(SDR_BAD_INPUT, "a movie shows all times; leave out --time or --movie");
     SDR_TRY(choose_frame(run, (double)NAN, &last));
     return sdr_plot_movie(run, name, &how, options->png, out);
   }

@@ -158,17 +158,21 @@ static void without_a_program_for_movies_the_frames_are_kept(void **state)
   movie(NULL, copying, "x.mp4", said);
 }
 
-static void a_movie_has_a_name_of_one(void **state)
+static void a_movie_has_a_name_of_one_and_no_time(void **state)
 {
   (void)state;
   char dir[512];
   made_run_write(made_run_name("views", dir), &block);
-  const sdr_plot_options options = {
+  sdr_plot_options options = {
       .directory = dir, .field = "displacement", .time = NAN, .movie = 1, .png = "x.png"};
   FILE *out = fopen("/dev/null", "w");
   assert_int_equal(sdr_plot(&options, out), SDR_BAD_INPUT);
-  fclose(out);
   assert_string_equal(sdr_error_message(), "x.png: a movie's name ends with .mp4 or .gif");
+  options.time = 0.0;
+  options.png = NULL;
+  assert_int_equal(sdr_plot(&options, out), SDR_BAD_INPUT);
+  assert_string_equal(sdr_error_message(), "a movie shows all times; leave out --time or --movie");
+  fclose(out);
   made_run_remove(dir);
 }
 
@@ -180,7 +184,7 @@ int main(void)
       cmocka_unit_test(points_move_by_their_displacement_times_the_factor),
       cmocka_unit_test(a_movie_is_made_by_what_is_installed),
       cmocka_unit_test(without_a_program_for_movies_the_frames_are_kept),
-      cmocka_unit_test(a_movie_has_a_name_of_one),
+      cmocka_unit_test(a_movie_has_a_name_of_one_and_no_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
