@@ -1,6 +1,7 @@
 #include "app/rundata.h"
 
 #include "base/memory.h"
+#include "output/hdf_trial.h"
 
 #include <errno.h>
 #include <hdf5.h>
@@ -242,6 +243,7 @@ static hid_t open_file(const char *path)
 static sdr_status read_snapshots(const char *path, sdr_rundata *run)
 {
   if (access(path, R_OK) != 0) return sdr_fail(SDR_IO_ERROR, "%s: %s", path, strerror(errno));
+  SDR_TRY(sdr_hdf_trial(path));
   run->snapshots = open_file(path);
   if (run->snapshots < 0)
     return sdr_fail(SDR_IO_ERROR,

@@ -5,6 +5,7 @@
 #include "output/fragments.h"
 #include "output/frames.h"
 #include "output/hdf.h"
+#include "output/hdf_trial.h"
 #include "output/rundir.h"
 #include "output/xdmf.h"
 
@@ -184,17 +185,24 @@ static sdr_status check_points(const snapshots *s, sdr_hdf *file)
                   s->path, shape.rows, (int)s->points->count);
 }
 
+static sdr_status open_tried(const snapshots *s, sdr_hdf **left)
+{
+  SDR_TRY(sdr_hdf_trial(s->path));
+  return sdr_hdf_open(s->path, 0, left);
+}
+
 /* Open what a run left that may have been killed while it wrote: a file that ends before its
-   superblock says is padded. NULL if it cannot be read at all. */
+   superblock says is padded. NULL if it is none of HDF5's; one that is damaged is not written over
+   unasked. */
 static sdr_status open_left(const snapshots *s, sdr_hdf **left)
 {
   struct stat info;
   *left = NULL;
-  sdr_status status = sdr_hdf_open(s->path, 0, left);
+  sdr_status status = open_tried(s, left);
   if (status != SDR_BAD_INPUT || stat(s->path, &info) != 0) return status;
   if (truncate(s->path, info.st_size + (off_t)frame_bytes(s) + (1 << 20)) != 0) return status;
-  if (sdr_hdf_open(s->path, 0, left) != SDR_OK) *left = NULL;
-  return SDR_OK;
+  status = open_tried(s, left);
+  return status == SDR_BAD_INPUT ? SDR_OK : status;
 }
 
 /* Copy whole frames up to `time` into a new file, as many as can be read in turn. */

@@ -11,7 +11,8 @@
      /frame_0000/{FIELD float N or N x components, time double}, SI, units in the attribute "unit";
    `time` is written last and the file flushed after each frame, so a frame without it is torn; the
    .xdmf is rewritten by rename and lists flushed frames only. Points stand in the order of
-   generation. On resume frames after the checkpoint are removed. A field nobody knows is
+   generation. On resume frames after the checkpoint are removed; a file that HDF5 does not get
+   through is SDR_IO_ERROR and stays as it is. A field nobody knows is
    SDR_BAD_INPUT. Borrows scene and points. Owner: the caller. */
 sdr_status sdr_snapshots_create(const sdr_scene *scene, const char *directory,
                                 const sdr_points *points, sdr_observer **out);

@@ -3,6 +3,7 @@
 #include "app/plot_field.h"
 #include "base/memory.h"
 #include "support/cmocka_all.h"
+#include "support/damaged_h5.h"
 #include "support/made_run.h"
 
 static const made_run small_ring = {
@@ -344,6 +345,19 @@ static void a_truncated_snapshot_file_never_crashes(void **state)
   made_run_remove(dir);
 }
 
+static void a_damaged_snapshot_file_never_crashes(void **state)
+{
+  (void)state;
+  char dir[512], path[600];
+  made_run_write(made_run_name("plot", dir), &small_ring);
+  snprintf(path, sizeof path, "%s/snapshots.h5", dir);
+  loop_the_members(path);
+  check_failure(dir, NULL, NAN, NULL, SDR_IO_ERROR,
+                "DIR/snapshots.h5: damaged, HDF5 does not get through it; move it away to go on "
+                "without it");
+  made_run_remove(dir);
+}
+
 static void a_picture_that_cannot_be_written_is_an_io_error(void **state)
 {
   (void)state;
@@ -442,6 +456,7 @@ int main(void)
       cmocka_unit_test(a_run_without_snapshots_still_gets_its_ledger),
       cmocka_unit_test(broken_files_are_named),
       cmocka_unit_test(a_truncated_snapshot_file_never_crashes),
+      cmocka_unit_test(a_damaged_snapshot_file_never_crashes),
       cmocka_unit_test(a_picture_that_cannot_be_written_is_an_io_error),
       cmocka_unit_test(a_missing_or_failing_gnuplot_is_explained),
       cmocka_unit_test(a_title_cannot_give_gnuplot_orders),

@@ -2,7 +2,11 @@
 #include "output_body.h"
 
 #include "output/frames.h"
+#include "output/hdf_trial.h"
 #include "output/snapshots.h"
+#include "support/damaged_h5.h"
+
+#include <hdf5.h>
 
 static sdr_observer *make(body *b, int snapshots)
 {
@@ -342,6 +346,78 @@ static void a_file_cut_short_behind_its_frames_goes_on(void **state)
   body_destroy(&b);
 }
 
+/* A run that stopped at step 60 of 100, with frames at 0, 25 and 50; the file's path. */
+static void leave_frames(body *b, char path[4200])
+{
+  body_create(b, 3, 2);
+  name_fields(b, 2, usual);
+  sdr_observer *observer = make(b, 4);
+  run(b, observer, 0, 60);
+  observer->ops->destroy(observer);
+  snprintf(path, 4200, "%s/snapshots.h5", b->directory);
+}
+
+static void a_file_over_which_hdf5_would_hang_is_refused(void **state)
+{
+  (void)state;
+  body b;
+  char path[4200], wanted[4400];
+  leave_frames(&b, path);
+  assert_int_equal(sdr_hdf_trial(path), SDR_OK);
+  loop_the_names(path);
+  assert_int_equal(sdr_hdf_trial(path), SDR_IO_ERROR);
+  snprintf(wanted, sizeof wanted,
+           "%s: damaged, HDF5 does not get through it; move it away to go on without it", path);
+  assert_string_equal(sdr_error_message(), wanted);
+  body_destroy(&b);
+}
+
+static void a_damaged_file_is_not_written_over(void **state)
+{
+  (void)state;
+  body b;
+  char path[4200];
+  struct stat before, after;
+  leave_frames(&b, path);
+  loop_the_members(path);
+  assert_int_equal(stat(path, &before), 0);
+  sdr_observer *next = make(&b, 4);
+  assert_int_equal(next->ops->resumed(next, &b.moment), SDR_IO_ERROR);
+  assert_non_null(strstr(sdr_error_message(), "damaged, HDF5 does not get through it"));
+  assert_int_equal(stat(path, &after), 0);
+  assert_true(before.st_ino == after.st_ino && before.st_size == after.st_size);
+  assert_int_equal(before.st_mtim.tv_nsec, after.st_mtim.tv_nsec);
+  assert_int_equal(rename(path, body_path(&b, "damaged.h5")), 0);
+  assert_int_equal(next->ops->resumed(next, &b.moment), SDR_OK); /* as the message says */
+  next->ops->destroy(next);
+  body_destroy(&b);
+}
+
+/* Chunks, and values that the file has no bytes for, are none of ours. */
+static void values_that_no_file_of_ours_holds_are_refused(void **state)
+{
+  (void)state;
+  body b;
+  char path[4200];
+  leave_frames(&b, path);
+  const hsize_t sizes[] = {10, 1 << 20};
+  for (int chunked = 0; chunked < 2; ++chunked) {
+    const hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t space = H5Screate_simple(1, &sizes[!chunked], NULL),
+                how = H5Pcreate(H5P_DATASET_CREATE);
+    if (chunked) H5Pset_chunk(how, 1, &sizes[0]);
+    H5Dclose(H5Dcreate2(file, "x", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, how, H5P_DEFAULT));
+    H5Pclose(how);
+    H5Sclose(space);
+    H5Fclose(file);
+    assert_int_equal(sdr_hdf_trial(path), SDR_IO_ERROR);
+  }
+  unlink(path);
+  assert_int_equal(sdr_hdf_trial(path), SDR_IO_ERROR);
+  assert_non_null(strstr(sdr_error_message(), "snapshots.h5: No such file or directory"));
+  body_destroy(&b);
+}
+
 static void a_frame_at_the_checkpoint_is_kept_or_made_up(void **state)
 {
   (void)state;
@@ -506,6 +582,9 @@ int main(void)
       cmocka_unit_test(an_unknown_field_is_refused),
       cmocka_unit_test(a_resumed_file_holds_the_frames_of_a_run_never_stopped),
       cmocka_unit_test(a_file_cut_short_behind_its_frames_goes_on),
+      cmocka_unit_test(a_file_over_which_hdf5_would_hang_is_refused),
+      cmocka_unit_test(a_damaged_file_is_not_written_over),
+      cmocka_unit_test(values_that_no_file_of_ours_holds_are_refused),
       cmocka_unit_test(a_frame_at_the_checkpoint_is_kept_or_made_up),
       cmocka_unit_test(a_run_resumed_elsewhere_begins_with_a_frame_of_its_own),
       cmocka_unit_test(a_file_of_another_body_is_not_continued),
