@@ -1,59 +1,25 @@
 /* Forces of loose pairs. Both points of a pair compute it, with the same bits, so that each writes
    to itself alone; the eight points of a chunk are the lanes. Lengths themselves are taken by
    square root, not their ratio, so that one division gives the force (two with the variational law,
-   whose history stores the stretch). */
+   whose history stores the stretch). A column's work is several loops with values handed on in the
+   first-level cache: those with roots and divisions see nothing but doubles, since a compiler takes
+   all of a loop in vectors half as wide where floats or whole numbers are among them, and wide ones
+   take half as long. */
 #ifndef SDR_MECHANICS_BOND_LOOSE_H
 #define SDR_MECHANICS_BOND_LOOSE_H
 
 #include "mechanics/bond_loop.h"
+#include "mechanics/lanes.h"
 #include "mechanics/records.h"
 
-/* A pair: grown = l^2 - L^2 and both = L (L + l), so that the stretch is grown/both; l; C and q of
-   its points, C times weight. */
+/* A column's pairs, one a lane: grown = l^2 - L^2 and both = L (L + l), so that the stretch is
+   grown/both; l; the vector from point to point; C times weight and q of both ends, r (cohesive);
+   the stretch that the history holds; what is left of the stiffness of laws without one. */
 typedef struct {
-  double grown, both, now, ci, cj, qi, qj;
-} sdr_loose_pair;
-
-/* Force over the vector from point to point, variational law; *grown: its history. */
-SDR_INLINE double loose_variational(const int each, const int marked, const sdr_loose_pair *p,
-                                    float before, float *grown)
-{
-  const double s = p->grown / p->both, whole = p->ci + p->cj;
-  const float k = *grown = grown_stretch_double(marked, before, s);
-  const double kept = (double)k;
-  const double a = SDR_FMA_double(kept, kept, p->qi);
-  const double b = each ? SDR_FMA_double(kept, kept, p->qj) : 1.0;
-  const double all = 1.0 / (p->now * (a * b)), by_ab = p->now * all;
-  const double intact_i = p->qi * b * by_ab, intact_j = each ? p->qj * a * by_ab : intact_i;
-  const double soft = p->ci * (intact_i * intact_i) + p->cj * (intact_j * intact_j);
-  return stiffness_left_double(marked, s, k, soft, whole) * s * (a * b * all);
-}
-
-/* The same for any law that softens; r: its second constant at both points. */
-SDR_INLINE double loose_softened(const int law, const int marked, const sdr_loose_pair *p,
-                                 double ri, double rj, float before, float *grown)
-{
-  const double s = p->grown / p->both;
-  const float k = *grown = grown_stretch_double(marked, before, s);
-  const double kept = k > 0.0f ? (double)k : 0.0;
-  const double soft = p->ci * sdr_softening_of(law, kept, p->qi, ri).left +
-                      p->cj * sdr_softening_of(law, kept, p->qj, rj).left;
-  return stiffness_left_double(marked, s, k, soft, p->ci + p->cj) * s / p->now;
-}
-
-/* What critical stretch leaves of the pair's stiffness; *grown: its flags. */
-SDR_INLINE double loose_critical(const int marked, const sdr_loose_pair *p, sdr_flags before,
-                                 sdr_flags *grown)
-{
-  const double square = p->grown * p->grown, limit = p->both * p->both;
-  const sdr_flags broken = (p->grown > 0.0 && square > p->qi * limit ? SDR_LOST_I : 0) |
-                           (p->grown > 0.0 && square > p->qj * limit ? SDR_LOST_J : 0);
-  const sdr_flags lost = broken & ~before;
-  sdr_flags after = before | lost | lost << 2;
-  if (marked) after = before & SDR_PROTECTED ? before : after;
-  *grown = after;
-  return (after & SDR_LOST_I ? 0.0 : p->ci) + (after & SDR_LOST_J ? 0.0 : p->cj);
-}
+  _Alignas(64) double grown[SDR_LANES], both[SDR_LANES], now[SDR_LANES], y[3][SDR_LANES];
+  _Alignas(64) double ci[SDR_LANES], cj[SDR_LANES], qi[SDR_LANES], qj[SDR_LANES];
+  _Alignas(64) double s[SDR_LANES], kept[SDR_LANES], left[SDR_LANES], rj[SDR_LANES];
+} sdr_loose_pairs;
 
 /* A chunk at work: the column at hand, displacements and constants of the lanes' points, and the
    sums of the lanes. Flags are collected lane by lane: as one number for all lanes gcc would leave
@@ -103,67 +69,161 @@ SDR_INLINE sdr_loose_squares loose_squares(const int components, double xx, doub
   return l;
 }
 
-/* One column of a chunk: a slot of each of its points. `same`: all pairs have one weight. */
-SDR_INLINE void force_of_column(const int components, const int law, const int each,
-                                const int marked, const int same, const sdr_bond_body *body,
-                                sdr_chunk *chunk)
+/* The pairs of the chunk's column. `same`: all pairs have one weight. */
+SDR_INLINE void pairs_of_column(const int components, const int law, const int each, const int same,
+                                const sdr_bond_body *body, const sdr_chunk *chunk,
+                                sdr_loose_pairs *p)
 {
   _Alignas(64) double other[SDR_RECORD][SDR_LANES];
-  const int64_t column = chunk->column;
   const sdr_loose *loose = &body->bonds->loose;
-  const int32_t *const restrict neighbour = loose->j + column;
-  const double c = body->stiffness, q = body->threshold;
-  const sdr_column kept = history_of_column(law, body, chunk);
-  gather_records(body->records, SDR_RECORD, neighbour, other);
+  const int64_t column = chunk->column;
+  const double *const xi[3] = {loose->xi[0] + column, loose->xi[components > 1] + column,
+                               loose->xi[components > 2 ? 2 : 0] + column};
+  const double *const wij = loose->weight_ij + column, *const wji = loose->weight_ji + column;
+  const double c = body->stiffness, w = loose->shared_weight;
+  gather_records(body->records, SDR_RECORD, loose->j + column, other);
 #pragma omp simd
   for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane;
-    const int32_t j = neighbour[lane];
-    const double xx = loose->xi[0][slot];
-    const double xy = components > 1 ? loose->xi[1][slot] : 0.0;
-    const double xz = components > 2 ? loose->xi[2][slot] : 0.0;
+    const double xx = xi[0][lane], xy = components > 1 ? xi[1][lane] : 0.0;
+    const double xz = components > 2 ? xi[2][lane] : 0.0;
     const double ex = other[0][lane] - chunk->u[0][lane];
     const double ey = components > 1 ? other[1][lane] - chunk->u[1][lane] : 0.0;
     const double ez = components > 2 ? other[2][lane] - chunk->u[2][lane] : 0.0;
     const sdr_loose_squares l = loose_squares(components, xx, xy, xz, ex, ey, ez);
-    const double grown = l.grown, square = l.square;
-    const double present = square + grown, length = sqrt(square);
+    const double present = l.square + l.grown, length = sqrt(l.square);
     /* l = 0: no direction; below rounding neither */
-    const double now = sqrt(present > 1e-18 * square ? present : 1e-18 * square);
-    const double wij = same ? loose->shared_weight : loose->weight_ij[slot];
-    const double wji = same ? loose->shared_weight : loose->weight_ji[slot];
-    const sdr_loose_pair pair = {grown,
-                                 length * (length + now),
-                                 now,
-                                 wij * (each ? chunk->c[lane] : c),
-                                 wji * (each ? other[components][lane] : c),
-                                 each ? chunk->q[lane] : q,
-                                 !each            ? q
-                                 : components < 3 ? other[(components + 1) % SDR_RECORD][lane]
-                                                  : body->threshold_at[j]};
-    double phi = 0.0;
-    if (law == SDR_LAW_VARIATIONAL) {
-      phi = loose_variational(each, marked, &pair, kept.stretch[lane], &kept.new_stretch[lane]);
-    } else if (sdr_law_softens(law)) {
-      const int second = each && law == SDR_LAW_COHESIVE;
-      const double ri = second ? chunk->r[lane] : body->decline;
-      const double rj = second ? body->decline_at[j] : body->decline;
-      phi = loose_softened(law, marked, &pair, ri, rj, kept.stretch[lane], &kept.new_stretch[lane]);
-    } else {
-      double left = pair.ci + pair.cj;
-      if (law == SDR_LAW_CRITICAL_STRETCH) {
-        sdr_flags grown_flags = 0;
-        left = loose_critical(marked, &pair, kept.flags[lane], &grown_flags);
-        kept.new_flags[lane] = grown_flags;
-        chunk->fresh[lane] |= grown_flags;
-      } else if (marked) {
-        left = kept.flags[lane] & SDR_CUT ? 0.0 : left;
-      }
-      phi = left * grown / (pair.both * now);
+    const double now = sqrt(present > 1e-18 * l.square ? present : 1e-18 * l.square);
+    const double both = length * (length + now);
+    p->grown[lane] = l.grown;
+    p->now[lane] = now;
+    p->both[lane] = both;
+    if (sdr_law_softens(law)) p->s[lane] = l.grown / both;
+    p->y[0][lane] = xx + ex;
+    p->y[1][lane] = xy + ey;
+    p->y[2][lane] = xz + ez;
+    p->ci[lane] = (same ? w : wij[lane]) * (each ? chunk->c[lane] : c);
+    p->cj[lane] = (same ? w : wji[lane]) * (each ? other[components][lane] : c);
+    if (components < 3) p->qj[lane] = other[(components + 1) % SDR_RECORD][lane];
+  }
+  if (!each) return;
+  if (components == 3 && law != SDR_LAW_NONE)
+    gather_points(body->threshold_at, loose->j + column, p->qj);
+  if (law == SDR_LAW_COHESIVE) gather_points(body->decline_at, loose->j + column, p->rj);
+}
+
+/* Histories of a column that softens. */
+SDR_INLINE void histories_of_column(const int marked, const sdr_column *history, sdr_loose_pairs *p)
+{
+  for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
+    const sdr_lanes_float before = load_floats(history->stretch + lane);
+    const sdr_lanes_float now = floats_of(load_lanes(p->s + lane));
+    sdr_lanes_int keep = before > now; /* bits */
+    if (marked) keep |= before < 0.0f;
+    const sdr_lanes_float k =
+        (sdr_lanes_float)some_ints(keep, (sdr_lanes_int)before, (sdr_lanes_int)now);
+    memcpy(history->new_stretch + lane, &k, sizeof k);
+    store_lanes(p->kept + lane, lanes_of_floats(k));
+  }
+}
+
+/* Halves that critical stretch breaks now. */
+SDR_INLINE sdr_lanes_int broken_lanes(const int each, const sdr_bond_body *body,
+                                      const sdr_chunk *chunk, const sdr_loose_pairs *p, int lane)
+{
+  const sdr_lanes grown = load_lanes(p->grown + lane), both = load_lanes(p->both + lane);
+  const sdr_lanes qi = each ? load_lanes(chunk->q + lane) : all_lanes(body->threshold);
+  const sdr_lanes qj = each ? load_lanes(p->qj + lane) : all_lanes(body->threshold);
+  const sdr_lanes square = grown * grown, limit = both * both;
+  const sdr_lanes_bits longer = grown > 0.0;
+  return ints_of(longer &
+                 (((square > qi * limit) & SDR_LOST_I) | ((square > qj * limit) & SDR_LOST_J)));
+}
+
+/* Of a column that does not soften: what is left of the stiffness. */
+SDR_INLINE void flags_of_column(const int law, const int each, const int marked,
+                                const sdr_bond_body *body, const sdr_column *history,
+                                sdr_chunk *chunk, sdr_loose_pairs *p)
+{
+  for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
+    const sdr_lanes_int before = load_ints(history->flags + lane);
+    sdr_lanes_int after = before;
+    if (law == SDR_LAW_CRITICAL_STRETCH) {
+      const sdr_lanes_int lost = broken_lanes(each, body, chunk, p, lane) & ~before;
+      const sdr_lanes_int fresh = load_ints(chunk->fresh + lane);
+      after = before | lost | lost << 2;
+      if (marked) after = some_ints((before & SDR_PROTECTED) != 0, before, after);
+      const sdr_lanes_int all = fresh | after;
+      memcpy(history->new_flags + lane, &after, sizeof after);
+      memcpy(chunk->fresh + lane, &all, sizeof all);
     }
-    chunk->sum[0][lane] = SDR_FMA_double(phi, xx + ex, chunk->sum[0][lane]);
-    if (components > 1) chunk->sum[1][lane] = SDR_FMA_double(phi, xy + ey, chunk->sum[1][lane]);
-    if (components > 2) chunk->sum[2][lane] = SDR_FMA_double(phi, xz + ez, chunk->sum[2][lane]);
+    const sdr_lanes_bits flags = bits_of_ints(after), zero = {0};
+    const int i = law == SDR_LAW_CRITICAL_STRETCH ? SDR_LOST_I : SDR_CUT;
+    const int j = law == SDR_LAW_CRITICAL_STRETCH ? SDR_LOST_J : SDR_CUT;
+    const sdr_lanes_bits ci = (sdr_lanes_bits)load_lanes(p->ci + lane) & ((flags & i) == zero);
+    const sdr_lanes_bits cj = (sdr_lanes_bits)load_lanes(p->cj + lane) & ((flags & j) == zero);
+    store_lanes(p->left + lane, (sdr_lanes)ci + (sdr_lanes)cj);
+  }
+}
+
+/* Of a pair that softens: its stiffness, `soft` where it is stretched, and what marks make of it.
+ */
+SDR_INLINE double loose_stiffness(const int marked, double s, double kept, double soft,
+                                  double whole)
+{
+  double left = s > 0.0 ? soft : whole;
+  if (marked) {
+    left = kept == (double)SDR_STRETCH_PROTECTED ? whole : left;
+    left = kept == (double)SDR_STRETCH_CUT ? 0.0 : left;
+  }
+  return left;
+}
+
+/* Force over the vector from point to point of a lane's pair. */
+SDR_INLINE double loose_factor(const int law, const int each, const int marked,
+                               const sdr_bond_body *body, const sdr_chunk *chunk,
+                               const sdr_loose_pairs *p, int lane)
+{
+  const double ci = p->ci[lane], cj = p->cj[lane], s = p->s[lane], now = p->now[lane];
+  const double qi = each ? chunk->q[lane] : body->threshold;
+  const double qj = each ? p->qj[lane] : body->threshold, kept = p->kept[lane];
+  if (law == SDR_LAW_VARIATIONAL) {
+    const double a = SDR_FMA_double(kept, kept, qi);
+    const double b = each ? SDR_FMA_double(kept, kept, qj) : 1.0;
+    const double all = 1.0 / (now * (a * b)), by_ab = now * all;
+    const double intact_i = qi * b * by_ab, intact_j = each ? qj * a * by_ab : intact_i;
+    const double soft = ci * (intact_i * intact_i) + cj * (intact_j * intact_j);
+    return loose_stiffness(marked, s, kept, soft, ci + cj) * s * (a * b * all);
+  }
+  if (sdr_law_softens(law)) {
+    const int second = each && law == SDR_LAW_COHESIVE;
+    const double k = kept > 0.0 ? kept : 0.0;
+    const double ri = second ? chunk->r[lane] : body->decline;
+    const double rj = second ? p->rj[lane] : body->decline;
+    const double soft =
+        ci * sdr_softening_of(law, k, qi, ri).left + cj * sdr_softening_of(law, k, qj, rj).left;
+    return loose_stiffness(marked, s, kept, soft, ci + cj) * s / now;
+  }
+  const double left = law == SDR_LAW_NONE && !marked ? ci + cj : p->left[lane];
+  return left * p->grown[lane] / (p->both[lane] * now);
+}
+
+/* One column of a chunk: a slot of each of its points. */
+SDR_INLINE void force_of_column(const int components, const int law, const int each,
+                                const int marked, const int same, const sdr_bond_body *body,
+                                sdr_chunk *chunk)
+{
+  sdr_loose_pairs p;
+  const sdr_column history = history_of_column(law, body, chunk);
+  pairs_of_column(components, law, each, same, body, chunk, &p);
+  if (sdr_law_softens(law))
+    histories_of_column(marked, &history, &p);
+  else if (law == SDR_LAW_CRITICAL_STRETCH || marked)
+    flags_of_column(law, each, marked, body, &history, chunk, &p);
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const double phi = loose_factor(law, each, marked, body, chunk, &p, lane);
+    for (int a = 0; a < components; ++a)
+      chunk->sum[a][lane] = SDR_FMA_double(phi, p.y[a][lane], chunk->sum[a][lane]);
   }
 }
 

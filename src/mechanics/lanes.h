@@ -138,12 +138,64 @@ SDR_INLINE sdr_lanes gather_lanes(const double *p, const int32_t *index)
 #endif
 }
 
+/* Bits of lanes: all or none of them, as a mask. */
+typedef int64_t sdr_lanes_bits __attribute__((vector_size(8 * SDR_WIDTH)));
+
+/* a where all bits of the mask are set, b where none is. */
+SDR_INLINE sdr_lanes where_set(sdr_lanes_bits mask, sdr_lanes a, sdr_lanes b)
+{
+  return (sdr_lanes)((mask & (sdr_lanes_bits)a) | (~mask & (sdr_lanes_bits)b));
+}
+
 /* a where x > y, else b. */
 SDR_INLINE sdr_lanes where_above(sdr_lanes x, sdr_lanes y, sdr_lanes a, sdr_lanes b)
 {
-  typedef int64_t lane_bits __attribute__((vector_size(8 * SDR_WIDTH)));
-  const lane_bits mask = x > y;
-  return (sdr_lanes)((mask & (lane_bits)a) | (~mask & (lane_bits)b));
+  return where_set(x > y, a, b);
+}
+
+/* ---- lanes of four bytes --------------------------------------------------------------------- */
+
+typedef float sdr_lanes_float __attribute__((vector_size(4 * SDR_WIDTH)));
+typedef int32_t sdr_lanes_int __attribute__((vector_size(4 * SDR_WIDTH)));
+
+SDR_INLINE sdr_lanes_float load_floats(const float *p)
+{
+  sdr_lanes_float v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+
+SDR_INLINE sdr_lanes_int load_ints(const int32_t *p)
+{
+  sdr_lanes_int v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+
+SDR_INLINE sdr_lanes_float floats_of(sdr_lanes v)
+{
+  return __builtin_convertvector(v, sdr_lanes_float);
+}
+
+SDR_INLINE sdr_lanes lanes_of_floats(sdr_lanes_float v)
+{
+  return __builtin_convertvector(v, sdr_lanes);
+}
+
+/* Whole numbers with their sign. */
+SDR_INLINE sdr_lanes_int ints_of(sdr_lanes_bits v)
+{
+  return __builtin_convertvector(v, sdr_lanes_int);
+}
+
+SDR_INLINE sdr_lanes_bits bits_of_ints(sdr_lanes_int v)
+{
+  return __builtin_convertvector(v, sdr_lanes_bits);
+}
+
+SDR_INLINE sdr_lanes_int some_ints(sdr_lanes_int mask, sdr_lanes_int a, sdr_lanes_int b)
+{
+  return (mask & a) | (~mask & b);
 }
 
 #endif

@@ -53,6 +53,19 @@ SDR_INLINE void gather_records(const double *from, const int stride, const int32
 #endif
 }
 
+/* out[lane] = from[j[lane]], where nothing else is needed of these points. */
+SDR_INLINE void gather_points(const double *from, const int32_t *j, double out[SDR_LANES])
+{
+#if defined(__AVX512F__)
+  const __m256i index = _mm256_loadu_si256((const __m256i *)j);
+  __mmask8 all = 0xff;
+  __asm__("" : "+k"(all)); /* known to be all lanes, gcc 12 has it wait for the gather before */
+  _mm512_store_pd(out, _mm512_mask_i32gather_pd(_mm512_setzero_pd(), all, index, from, 8));
+#else
+  for (int lane = 0; lane < SDR_LANES; ++lane) out[lane] = from[j[lane]];
+#endif
+}
+
 /* out[lane] = from[point[lane]] */
 SDR_INLINE void load_points(const double *from, const int32_t *point, double out[SDR_LANES])
 {
