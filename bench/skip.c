@@ -146,6 +146,7 @@ static sdr_status look_at_every_flag(bench_body *body)
   if (!model->body.run_marked) model->body.run_marked = sdr_alloc(runs, 1);
   if (!model->body.run_marked) return SDR_RUN_FAILED;
   memset(model->body.run_marked, 1, runs);
+  if (model->body.run_flagged) memset(model->body.run_flagged, 1, runs);
   return SDR_OK;
 }
 

@@ -179,6 +179,7 @@ static void commit_stripe(void *context, int s)
   commit_pairs(call, s);
   if (!model->booked) return;
   const int64_t first = model->bonds->stripe_run[s], end = model->bonds->stripe_run[s + 1];
+  sdr_bond_note_flags(&model->body, first, end);
   if (model->body.run_fresh) memset(model->body.run_fresh + first, 1, (size_t)(end - first));
   int64_t chunk, last;
   sdr_stripe_chunks(&model->body, s, &chunk, &last);
@@ -226,6 +227,9 @@ static void state(sdr_model *model, sdr_state_block *blocks, int *count)
   if (body->flags) blocks[n++] = (sdr_state_block){"flags", body->flags, runs * sizeof(sdr_flags)};
   if (body->loose_flags)
     blocks[n++] = (sdr_state_block){"loose_flags", body->loose_flags, loose * sizeof(sdr_flags)};
+  if (body->run_flagged)
+    blocks[n++] =
+        (sdr_state_block){"run_flagged", body->run_flagged, (size_t)bond->bonds->run_count};
   if (body->mixed) blocks[n++] = (sdr_state_block){"bound", &bond->bound, sizeof bond->bound};
   blocks[n++] = (sdr_state_block){"moved", bond->moved, (size_t)model->points->stripe_count};
   if (bond->booked)
@@ -279,6 +283,8 @@ static void destroy(sdr_model *model)
   sdr_free(bond->body.loose_flags);
   sdr_free(bond->body.run_marked);
   sdr_free(bond->body.run_fresh);
+  sdr_free(bond->body.run_flagged);
+  sdr_free(bond->body.run_limit);
   sdr_free(bond->body.chunk_fresh);
   for (int a = 0; a < 3; ++a) sdr_free(bond->body.place[a]);
   sdr_free(bond->body.float_terms);
@@ -329,6 +335,28 @@ static sdr_status alloc_some(size_t count, size_t size, void **out)
   return SDR_OK;
 }
 
+/* What kernels of critical stretch know of each run. A bond breaks at (1 + s)^2 = 1 + z; kernels
+   ask the law a little before that, so that no rounding matters. */
+static sdr_status alloc_runs(sdr_bond_body *body)
+{
+  const size_t count = (size_t)body->bonds->run_count;
+  body->run_fresh = sdr_alloc(count, 1);
+  body->run_flagged = sdr_alloc(count, 1);
+  body->run_limit = sdr_alloc(count, sizeof(double));
+  if (!body->run_fresh || !body->run_flagged || !body->run_limit) return SDR_RUN_FAILED;
+  for (size_t r = 0; r < count; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    double least = body->threshold;
+    for (int32_t k = 0; body->threshold_at && k < run->length; ++k) {
+      const double here = fmin(body->threshold_at[run->i0 + k], body->threshold_at[run->j0 + k]);
+      least = k == 0 || here < least ? here : least;
+    }
+    const double s = sqrt(least);
+    body->run_limit[r] = 0.999 * s * (2.0 + s);
+  }
+  return SDR_OK;
+}
+
 static sdr_status alloc_history(sdr_bond_model *model)
 {
   sdr_bond_body *body = &model->body;
@@ -343,8 +371,7 @@ static sdr_status alloc_history(sdr_bond_model *model)
   }
   if (body->law != SDR_LAW_CRITICAL_STRETCH) return SDR_OK;
   SDR_TRY(sdr_bond_alloc_flags(model));
-  if (runs > 0 && !(body->run_fresh = sdr_alloc((size_t)bonds->run_count, 1)))
-    return SDR_RUN_FAILED;
+  if (runs > 0) SDR_TRY(alloc_runs(body));
   if (loose > 0 && !(body->chunk_fresh = sdr_alloc((size_t)bonds->loose.chunk_count, 1)))
     return SDR_RUN_FAILED;
   model->booked = sdr_alloc((size_t)body->points->stripe_count, sizeof(double));

@@ -39,7 +39,9 @@ typedef struct {
   float *relative_stiffness, *float_threshold;
   double length_unit, force_unit, per_length_unit, stiffest;
   uint8_t *run_fresh, *chunk_fresh; /* critical: 1 if a bond was lost that is not booked yet */
-  int commit;                       /* 1: histories take in what force kernels see */
+  uint8_t *run_flagged;             /* critical: a run: 0 if none of its flags is set */
+  double *run_limit; /* critical: a run: z = (l/|xi|)^2 - 1 up to which none of its bonds breaks */
+  int commit;        /* 1: histories take in what force kernels see */
 } sdr_bond_body;
 
 /* Energies of a stripe. */

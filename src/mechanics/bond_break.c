@@ -67,5 +67,6 @@ int64_t sdr_bond_break_most(sdr_model *model, double *const u[3], double share)
   call.least = share * share * call.most;
   for (call.stripe = 0; call.stripe < model->points->stripe_count; ++call.stripe)
     sdr_bonds_visit_stripe(call.model->bonds, model->points, call.stripe, lose, &call);
+  sdr_bond_note_flags(&call.model->body, 0, call.model->bonds->run_count);
   return call.lost;
 }

@@ -108,7 +108,8 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_elongation)(const int components,
   return SDR_NAMED(elongation)(components, of, SDR_NAMED(pair_motion)(components, block, k));
 }
 
-/* Stiffness times force factor of pair k of a block, whose history takes the stretch in. */
+/* Stiffness times force factor of pair k of a block, whose history takes the stretch in; laws with
+   a history. */
 SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const int marked,
                                            const sdr_bond_body *body,
                                            const SDR_NAMED(sdr_terms) * of, const sdr_block *block,
@@ -137,15 +138,10 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const 
     return SDR_NAMED(stiffness_left)(marked, z, grown, soft, ci + cj) *
            SDR_NAMED(force_factor)(z, t.r);
   }
-  SDR_REAL left = ci + cj;
-  if (law == SDR_LAW_CRITICAL_STRETCH) {
-    const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
-    block->new_flags[k] = grown;
-    left = (grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj);
-  } else if (marked) {
-    left = block->flags[k] & SDR_CUT ? zero : left;
-  }
-  return left * SDR_NAMED(force_factor)(z, t.r);
+  const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
+  block->new_flags[k] = grown;
+  return ((grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj)) *
+         SDR_NAMED(force_factor)(z, t.r);
 }
 
 /* Pairs of a block and those after them up to a whole vector: what is computed for the latter is
@@ -156,34 +152,105 @@ SDR_INLINE int SDR_NAMED(whole_vectors)(const sdr_block *block)
   return (block->count + lanes - 1) / lanes * lanes;
 }
 
-/* Forces of a block into F. With a damage law in three loops: the way from displacement to force is
-   so long that in one loop a processor would not see enough pairs at once to keep busy. */
-SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
-                                          const int marked, const sdr_bond_body *body,
-                                          const sdr_block *block, SDR_WHOLE *const F[3])
+/* What a block's flags leave, as numbers like the others, so that the loop over the pairs works in
+   whole vectors: 1 or 0 for the halves of each pair, and the z up to which it loses nothing. */
+typedef struct {
+  _Alignas(64) SDR_REAL i[SDR_BLOCK], j[SDR_BLOCK], limit[SDR_BLOCK];
+} SDR_NAMED(sdr_left);
+
+/* Runs that join the same two rows, shifted by a few points against each other, and their forces
+   in a piece of SDR_BLOCK points of the first row: [run][component][pair], zero in the margins. */
+typedef struct {
+  int count;
+  int64_t i[SDR_BAND], j[SDR_BAND]; /* of the first pair */
+  int32_t length[SDR_BAND];
+  _Alignas(64) SDR_WHOLE force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
+  SDR_NAMED(sdr_left) left;              /* of the block at hand, if its run is flagged */
+  float stretch[SDR_BLOCK + SDR_MARGIN]; /* histories that nobody keeps */
+  sdr_flags flags[SDR_BLOCK + SDR_MARGIN];
+} SDR_NAMED(sdr_band);
+
+SDR_INLINE void SDR_NAMED(read_flags)(const sdr_block *block, SDR_NAMED(sdr_left) * left)
+{
+  const SDR_REAL zero = (SDR_REAL)0, one = (SDR_REAL)1, limit = (SDR_REAL)block->limit;
+  const sdr_flags both = SDR_LOST_I | SDR_LOST_J;
+  const int n = (block->count + 15) / 16 * 16; /* slots fill whole lines */
+#pragma omp simd
+  for (int k = 0; k < n; ++k) {
+    const sdr_flags flags = block->flags[k];
+    const int over = (flags & both) == both || flags & SDR_PROTECTED;
+    left->i[k] = flags & SDR_LOST_I ? zero : one;
+    left->j[k] = flags & SDR_LOST_J ? zero : one;
+    left->limit[k] = over ? (SDR_REAL)INFINITY : limit;
+  }
+}
+
+/* How many of the lanes behind a block's last pair are stretched beyond its limit. */
+SDR_INLINE SDR_REAL SDR_NAMED(beyond_behind)(const int components, const int flagged,
+                                             const SDR_NAMED(sdr_terms) * of,
+                                             const sdr_block *block, int n,
+                                             const SDR_NAMED(sdr_left) * left)
+{
+  SDR_REAL beyond = (SDR_REAL)0;
+  for (int k = block->count; k < n; ++k) {
+    const SDR_REAL most = flagged ? left->limit[k] : (SDR_REAL)block->limit;
+    if (SDR_NAMED(pair_elongation)(components, of, block, k) > most) beyond += (SDR_REAL)1;
+  }
+  return beyond;
+}
+
+/* Forces of a block's present bonds into F; `flagged`: flags say which they are. In one loop, since
+   no history is written. `watched`: 1 if a bond may be stretched so far that it breaks: the law
+   must be asked, and F is void. */
+SDR_INLINE int SDR_NAMED(force_of_present)(const int components, const int each, const int flagged,
+                                           const int watched, const sdr_bond_body *body,
+                                           const sdr_block *block, SDR_NAMED(sdr_left) * left,
+                                           SDR_WHOLE *const F[3])
 {
   const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
-  const int split = law != SDR_LAW_NONE, n = SDR_NAMED(whole_vectors)(block);
+  const SDR_REAL zero = (SDR_REAL)0, one = (SDR_REAL)1, limit = (SDR_REAL)block->limit;
+  const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body);
+  const int n = SDR_NAMED(whole_vectors)(block);
+  SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
+  SDR_REAL beyond = zero; /* pairs, those behind the last one too */
+  if (flagged) SDR_NAMED(read_flags)(block, left);
+#pragma omp simd reduction(+ : beyond)
+  for (int k = 0; k < n; ++k) {
+    const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
+    const SDR_REAL z = SDR_NAMED(elongation)(components, &of, e);
+    const SDR_REAL ci = of.wij * (each ? block->SDR_NAMED(ci)[k] : c);
+    const SDR_REAL cj = of.wji * (each ? block->SDR_NAMED(cj)[k] : c);
+    const SDR_REAL whole = flagged ? ci * left->i[k] + cj * left->j[k] : ci + cj;
+    const SDR_REAL factor = SDR_NAMED(force_factor)(z, SDR_NAMED(stretch_of)(z).r);
+    const SDR_REAL phi = SDR_MEND(of, whole * factor);
+    if (watched) beyond += z > (flagged ? left->limit[k] : limit) ? one : zero;
+    fx[k] = (SDR_WHOLE)(phi * (of.xi[0] + e.x));
+    if (components > 1) fy[k] = (SDR_WHOLE)(phi * (of.xi[1] + e.y));
+    if (components > 2) fz[k] = (SDR_WHOLE)(phi * (of.xi[2] + e.z));
+  }
+  return watched && beyond > zero &&
+         beyond > SDR_NAMED(beyond_behind)(components, flagged, &of, block, n, left);
+}
+
+/* Forces of a block into F, while its history takes the stretches in. In three loops: the way from
+   displacement to force is so long that in one loop a processor would not see enough pairs at once
+   to keep busy. */
+SDR_INLINE void SDR_NAMED(force_of_ageing)(const int components, const int law, const int each,
+                                           const int marked, const sdr_bond_body *body,
+                                           const sdr_block *block, SDR_WHOLE *const F[3])
+{
+  const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
+  const int n = SDR_NAMED(whole_vectors)(block);
   SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
   _Alignas(64) SDR_REAL Z[SDR_BLOCK], P[SDR_BLOCK], Y[3][SDR_BLOCK];
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
     const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
-    const SDR_REAL z = SDR_NAMED(elongation)(components, &of, e);
-    if (split) {
-      Z[k] = z;
-      Y[0][k] = of.xi[0] + e.x;
-      if (components > 1) Y[1][k] = of.xi[1] + e.y;
-      if (components > 2) Y[2][k] = of.xi[2] + e.z;
-    } else {
-      const SDR_REAL phi =
-          SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, body, &of, block, k, z));
-      fx[k] = (SDR_WHOLE)(phi * (of.xi[0] + e.x));
-      if (components > 1) fy[k] = (SDR_WHOLE)(phi * (of.xi[1] + e.y));
-      if (components > 2) fz[k] = (SDR_WHOLE)(phi * (of.xi[2] + e.z));
-    }
+    Z[k] = SDR_NAMED(elongation)(components, &of, e);
+    Y[0][k] = of.xi[0] + e.x;
+    if (components > 1) Y[1][k] = of.xi[1] + e.y;
+    if (components > 2) Y[2][k] = of.xi[2] + e.z;
   }
-  if (!split) return;
 #pragma omp simd
   for (int k = 0; k < n; ++k)
     P[k] = SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, body, &of, block, k, Z[k]));
@@ -195,16 +262,29 @@ SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, c
   }
 }
 
-/* Runs that join the same two rows, shifted by a few points against each other, and their forces
-   in a piece of SDR_BLOCK points of the first row: [run][component][pair], zero in the margins. */
-typedef struct {
-  int count;
-  int64_t i[SDR_BAND], j[SDR_BAND]; /* of the first pair */
-  int32_t length[SDR_BAND];
-  _Alignas(64) SDR_WHOLE force[SDR_BAND][3][SDR_MARGIN + SDR_BLOCK + SDR_MARGIN];
-  float stretch[SDR_BLOCK + SDR_MARGIN]; /* histories that nobody keeps */
-  sdr_flags flags[SDR_BLOCK + SDR_MARGIN];
-} SDR_NAMED(sdr_band);
+/* Forces of a block of run r into F. Of critical stretch only blocks in which something may break
+   have their flags written. */
+SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
+                                          const sdr_bond_body *body, int64_t r,
+                                          const sdr_block *block, SDR_NAMED(sdr_left) * left,
+                                          SDR_WHOLE *const F[3])
+{
+  const int critical = law == SDR_LAW_CRITICAL_STRETCH;
+  const int marked = critical ? body->run_flagged[r] : body->run_marked && body->run_marked[r];
+  if (sdr_law_softens(law)) {
+    if (marked)
+      SDR_NAMED(force_of_ageing)(components, law, each, 1, body, block, F);
+    else
+      SDR_NAMED(force_of_ageing)(components, law, each, 0, body, block, F);
+    return;
+  }
+  const int may_break =
+      marked ? SDR_NAMED(force_of_present)(components, each, 1, critical, body, block, left, F)
+             : SDR_NAMED(force_of_present)(components, each, 0, critical, body, block, left, F);
+  if (!critical || !may_break) return;
+  SDR_NAMED(force_of_ageing)(components, law, each, 1, body, block, F);
+  if (body->commit && fresh_in(block)) body->run_fresh[r] = body->run_flagged[r] = 1;
+}
 
 /* f += unit times the sum of `count` forces: once for all runs of a band, since what costs most is
    to write to points that do not begin on a cache line. */
@@ -264,19 +344,16 @@ SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law,
     sdr_block block = block_at(components, body, run, piece->from, piece->end, u);
     block.new_stretch = body->commit ? block.stretch : band->stretch;
     block.new_flags = body->commit ? block.flags : band->flags;
+    if (law == SDR_LAW_CRITICAL_STRETCH) block.limit = body->run_limit[r];
     fetch_next(law, body, piece, r, piece->runs_end);
     if (block.count <= 0) continue;
     const int c = band->count++;
     SDR_WHOLE *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
                              band->force[c][2] + SDR_MARGIN};
-    if (body->run_marked && body->run_marked[r])
-      SDR_NAMED(force_of_block)(components, law, each, 1, body, &block, F);
-    else
-      SDR_NAMED(force_of_block)(components, law, each, 0, body, &block, F);
+    SDR_NAMED(force_of_block)(components, law, each, body, r, &block, &band->left, F);
     for (int a = 0; a < components; ++a)
       memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_WHOLE));
     bits |= SDR_BITS(body, components, F, block.count);
-    if (law == SDR_LAW_CRITICAL_STRETCH && body->commit && fresh_in(&block)) body->run_fresh[r] = 1;
     band->i[c] = block.i;
     band->j[c] = block.j;
     band->length[c] = block.count;

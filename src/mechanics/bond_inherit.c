@@ -275,6 +275,7 @@ sdr_status sdr_bond_inherit(sdr_model *model, const sdr_model *before, const sdr
     choose_points(&h);
     visit_pairs_at(bond->bonds, model->points, h.after, hand_over, &h);
     mark_runs(&bond->body);
+    sdr_bond_note_flags(&bond->body, 0, bond->bonds->run_count);
     bond->body.loose_marked = h.any_loose;
     take_booked(bond, was);
   }

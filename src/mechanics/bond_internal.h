@@ -70,6 +70,9 @@ void sdr_bond_watch(sdr_bond_model *model, double *const u[3]);
 /* Call task for even stripes, then for odd ones, in parallel: pairs write to at most the next. */
 void sdr_each_stripe(const sdr_points *points, void (*task)(void *, int), void *context);
 
+/* Set run_flagged of runs [first, end), if the body has it, after their flags were changed. */
+void sdr_bond_note_flags(sdr_bond_body *body, int64_t first, int64_t end);
+
 /* Flags for all slots, zero, where they are not there yet. */
 sdr_status sdr_bond_alloc_flags(sdr_bond_model *model);
 

@@ -43,6 +43,7 @@ typedef struct {
   sdr_flags *flags;
   float *new_stretch;   /* where the present history goes: to `stretch`, or nowhere */
   sdr_flags *new_flags; /* likewise */
+  double limit;         /* critical stretch: z = (l/|xi|)^2 - 1 up to which no bond breaks */
   int count;
 } sdr_block;
 
@@ -148,7 +149,7 @@ SDR_INLINE void fetch_history(const int law, const sdr_bond_body *body, int64_t 
   const sdr_bond_run *run = &body->bonds->runs[r];
   const int32_t start = from > run->i0 ? from - run->i0 : 0, behind = end - run->i0;
   const int32_t last = run->length < behind ? run->length : behind;
-  if (law == SDR_LAW_NONE) return;
+  if (law == SDR_LAW_NONE || (law == SDR_LAW_CRITICAL_STRETCH && !body->run_flagged[r])) return;
   const char *const history =
       law == SDR_LAW_CRITICAL_STRETCH ? (const char *)body->flags : (const char *)body->stretch;
   for (int32_t k = start; k < last; k += 16) __builtin_prefetch(history + 4 * (run->slot + k), 1);

@@ -46,6 +46,16 @@ static int run_has_mark(const sdr_bond_body *body, const sdr_bond_run *run)
   return 0;
 }
 
+void sdr_bond_note_flags(sdr_bond_body *body, int64_t first, int64_t end)
+{
+  for (int64_t r = first; body->run_flagged && r < end; ++r) {
+    const sdr_bond_run *run = &body->bonds->runs[r];
+    sdr_flags any = 0;
+    for (int64_t slot = run->slot; slot < run->slot + run->length; ++slot) any |= body->flags[slot];
+    body->run_flagged[r] = any != 0;
+  }
+}
+
 sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *context,
                          int64_t *cut_bonds)
 {
@@ -61,6 +71,7 @@ sdr_status sdr_bond_mark(sdr_model *model, sdr_pair_mark mark, const void *conte
   }
   for (int64_t r = 0; r < bond->bonds->run_count; ++r)
     body->run_marked[r] = (uint8_t)run_has_mark(body, &bond->bonds->runs[r]);
+  sdr_bond_note_flags(body, 0, bond->bonds->run_count);
   *cut_bonds = call.cut;
   return SDR_OK;
 }

@@ -244,6 +244,78 @@ static void long_rows_keep_to_their_own_history(void **state)
   body_destroy(&b);
 }
 
+/* What is lost by the plain rule, pair by pair; `flags` by slot. */
+typedef struct {
+  const sdr_bond_body *body;
+  double *const *u;
+  sdr_flags *flags;
+  int components, lost, kept;
+} plain_rule;
+
+static void break_plainly(void *context, const sdr_pair *pair)
+{
+  plain_rule *rule = context;
+  const double s = sdr_pair_stretch(pair, rule->components, rule->u);
+  sdr_flags *flags = &rule->flags[pair->slot];
+  const sdr_flags i = s > 0.0 && s * s > sdr_body_threshold(rule->body, pair->i) ? SDR_LOST_I : 0;
+  const sdr_flags j = s > 0.0 && s * s > sdr_body_threshold(rule->body, pair->j) ? SDR_LOST_J : 0;
+  if (!(*flags & SDR_PROTECTED)) *flags |= i | j;
+  assert_int_equal(rule->body->flags[pair->slot], *flags);
+  rule->lost += (*flags & (SDR_LOST_I | SDR_LOST_J)) != 0;
+  rule->kept += (*flags & (SDR_LOST_I | SDR_LOST_J)) == 0;
+}
+
+/* The plain rule after every step of a body of which a growing part, beginning at its low end, is
+   strained so far that bonds break; kernels look at flags only where some may be set. */
+static void break_step_by_step(const body_how *how, int marked)
+{
+  body b = body_create(how);
+  const sdr_bond_body *bonds = &((const sdr_bond_model *)b.model)->body;
+  double *u[3], *v[3], *f[3];
+  int64_t cut = 0, flagged = 0;
+  vector_create(b.points, u);
+  vector_create(b.points, v);
+  vector_create(b.points, f);
+  if (marked) b.model->ops->mark(b.model, body_cut_and_protect, NULL, &cut);
+  plain_rule rule = {.body = bonds, .u = u, .components = b.points->components};
+  rule.flags = sdr_alloc((size_t)b.bonds->run_slots, sizeof *rule.flags);
+  assert_non_null(rule.flags);
+  memcpy(rule.flags, bonds->flags, (size_t)b.bonds->run_slots * sizeof *rule.flags);
+  for (int step = 0; step < 6; ++step) {
+    vector_noise(b.points, (0.002 + 0.002 * step) * body_spacing, (uint64_t)step + 1, u);
+    for (int a = 0; a < b.points->components; ++a)
+      for (int32_t i = b.points->count * (step + 1) / 9; i < b.points->count; ++i) u[a][i] *= 0.1;
+    b.model->ops->force_commit(b.model, u, v, 1e-8, f);
+    rule.lost = rule.kept = 0;
+    sdr_bonds_visit(b.bonds, b.points, break_plainly, &rule);
+  }
+  for (int64_t r = 0; r < b.bonds->run_count; ++r) flagged += bonds->run_flagged[r];
+  assert_true(rule.lost > 5 && rule.kept > rule.lost);
+  assert_true(flagged > 0 && (marked || flagged < b.bonds->run_count));
+  sdr_free(rule.flags);
+  vector_destroy(u);
+  vector_destroy(v);
+  vector_destroy(f);
+  body_destroy(&b);
+}
+
+static void critical_stretch_breaks_what_the_plain_rule_breaks(void **state)
+{
+  (void)state;
+  static const body_how each[] = {{.dimension = SDR_1D, .cells = {700}},
+                                  {.dimension = SDR_PLANE_STRESS, .cells = {70, 90}},
+                                  {.dimension = SDR_3D, .cells = {9, 8, 21}, .ratio = 2.01}};
+  for (int k = 0; k < 3; ++k)
+    for (int scatter = 0; scatter < 3; ++scatter)
+      for (int marked = 0; marked < 2; ++marked) {
+        body_how how = each[k];
+        how.law = SDR_LAW_CRITICAL_STRETCH;
+        how.scatter = 0.3 * (scatter == 1);
+        how.two_materials = scatter == 2;
+        break_step_by_step(&how, marked);
+      }
+}
+
 static void any_number_of_threads_gives_the_same_bits(void **state)
 {
   (void)state;
@@ -288,6 +360,7 @@ int main(void)
       cmocka_unit_test(at_large_stretches_and_rotations),
       cmocka_unit_test(every_instruction_set_gives_the_same),
       cmocka_unit_test(long_rows_keep_to_their_own_history),
+      cmocka_unit_test(critical_stretch_breaks_what_the_plain_rule_breaks),
       cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
   };
   sdr_set_threads(1); /* small bodies: threads would only wait for each other */

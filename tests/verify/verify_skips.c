@@ -129,6 +129,7 @@ static void look_at_every_flag(sdr_bond_model *model)
   const size_t runs = (size_t)bonds->bonds->run_count;
   if (runs > 0 && !bonds->run_marked) bonds->run_marked = sdr_alloc(runs, 1);
   if (runs > 0) memset(bonds->run_marked, 1, runs);
+  if (runs > 0 && bonds->run_flagged) memset(bonds->run_flagged, 1, runs);
   bonds->loose_marked = 1;
 }
 
