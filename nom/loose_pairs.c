@@ -13,26 +13,9 @@ enum { BLOCK = 128 }; /* chunks a task */
 typedef struct {
   const sdr_points *points;
   const sdr_bonds_how *how;
-  const sdr_lattice_groups *groups; /* which pairs runs hold; NULL: none */
   sdr_neighbourhood family, dual_only;
   sdr_loose *loose;
 } loose_builder;
-
-/* Drop the pairs that runs hold. */
-static void keep_loose(loose_builder *build)
-{
-  sdr_neighbourhood *family = &build->family;
-  int64_t kept = 0, first = 0;
-  for (int32_t i = 0; i < build->points->count; ++i) {
-    const int64_t end = family->row[i + 1];
-    for (int64_t k = first; k < end; ++k) {
-      const int32_t j = family->column[k];
-      if (!sdr_on_run(build->groups, i, j)) family->column[kept++] = j;
-    }
-    family->row[i + 1] = kept;
-    first = end;
-  }
-}
 
 /* Visit all (j, i) with i in H_j but j not in H_i: count into row[i + 1], or place j. */
 static void each_dual_only(const loose_builder *build, int64_t *row, int64_t *cursor,
@@ -162,10 +145,9 @@ static double shared_weight(const sdr_loose *loose)
 sdr_status sdr_loose_pairs(const sdr_points *points, const sdr_bonds_how *how,
                            const sdr_lattice_groups *groups, sdr_bonds *bonds)
 {
-  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose, .groups = groups};
+  loose_builder build = {.points = points, .how = how, .loose = &bonds->loose};
   int64_t one_sided = 0; /* pairs outside one of the families */
-  sdr_status status = sdr_neighbourhood_create(points, &build.family);
-  if (status == SDR_OK && groups) keep_loose(&build);
+  sdr_status status = sdr_neighbourhood_beside(points, groups, &build.family);
   if (status == SDR_OK) status = find_dual_only(&build);
   if (status == SDR_OK) {
     one_sided = build.dual_only.row[points->count];

@@ -2,7 +2,7 @@
 #ifndef SDR_NOM_NEIGHBOURHOOD_H
 #define SDR_NOM_NEIGHBOURHOOD_H
 
-#include "nom/points.h"
+#include "nom/lattice_groups.h"
 
 typedef struct {
   int64_t *row;    /* count + 1 */
@@ -11,6 +11,10 @@ typedef struct {
 
 /* Find every H_i by a cell search, threaded; linear in the number of bonds. Owner: the caller. */
 sdr_status sdr_neighbourhood_create(const sdr_points *points, sdr_neighbourhood *out);
+/* The same without the pairs that runs hold. Where all around a point are of its group nothing is
+   compared, so this is linear in what is found, and in the points. */
+sdr_status sdr_neighbourhood_beside(const sdr_points *points, const sdr_lattice_groups *held,
+                                    sdr_neighbourhood *out);
 void sdr_neighbourhood_destroy(sdr_neighbourhood *neighbourhood);
 
 /* |X_j - X_i|^2 (m^2); the same bits for (i, j) and (j, i). */

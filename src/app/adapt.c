@@ -4,6 +4,7 @@
 #include "app/body.h"
 #include "base/memory.h"
 #include "mechanics/refine_motion.h"
+#include "nom/own_share.h"
 #include "output/hdf.h"
 #include "time/stable_step.h"
 
@@ -16,6 +17,7 @@ typedef struct {
   double looked; /* s, the latest look; negative: none */
   double energy; /* J */
   int64_t events;
+  int64_t owed; /* 1: a look was due when the run ended, and is taken if it goes on */
 } standing;
 
 typedef struct {
@@ -30,6 +32,7 @@ typedef struct {
   int first_level;    /* the finest that the run begins with */
   double first_limit; /* s, its stable step */
   double *young;      /* Pa, of the first points by generation */
+  double *share;      /* likewise: of a full family's energy of dilation (sdr_own_shares) */
   int32_t *root;      /* of each point, by generation: the first point it came out of, likewise */
   uint8_t *levels;    /* of each point, by generation */
   double *energy, *damage; /* scratch, a point */
@@ -107,10 +110,16 @@ static int32_t *roots_of(const adapt *a, const sdr_points *before, const sdr_poi
 static sdr_status build_next(const adapt *a, const int32_t *root, sdr_built *next)
 {
   const sdr_points *points = next->points;
-  double *young = sdr_alloc(sdr_points_padded(points), sizeof *young);
+  const size_t padded = sdr_points_padded(points);
+  double *young = sdr_alloc(2 * padded, sizeof *young);
   if (!young) return SDR_RUN_FAILED;
-  for (int32_t i = 0; i < points->count; ++i) young[i] = a->young[root[rank_of(points, i)]];
-  sdr_status status = sdr_built_model(next, young);
+  double *share = young + padded;
+  for (int32_t i = 0; i < points->count; ++i) {
+    const int32_t first = root[rank_of(points, i)];
+    young[i] = a->young[first];
+    share[i] = a->share[first];
+  }
+  sdr_status status = sdr_built_model(next, young, share);
   sdr_free(young);
   if (status == SDR_OK) status = sdr_built_system(next);
   return status;
@@ -256,17 +265,19 @@ static int due(const sdr_observer *observer, const sdr_moment *moment, int *want
 {
   const adapt *a = (const adapt *)(const void *)observer;
   (void)wants_balance;
-  if (moment->last || moment->step == 0) return 0;
+  if (moment->step == 0) return 0;
   return moment->time - a->now.looked >= interval(a) - 0.5 * moment->step_size;
 }
 
-static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
+/* Split at this moment what must. */
+static sdr_status look_now(adapt *a, const sdr_moment *moment)
 {
-  adapt *a = of(observer);
   const double started = wall();
   sdr_model *model = a->built->model;
   a->now.looked = moment->time;
-  SDR_TRY(model->ops->split_state(model, a->built->system->u, a->energy, a->damage));
+  const int by_energy = isfinite(a->built->scene->points.adapt->energy);
+  SDR_TRY(
+      model->ops->split_state(model, a->built->system->u, by_energy ? a->energy : NULL, a->damage));
   const int32_t count =
       sdr_adapt_zone_choose(a->zone, a->built->points, a->energy, a->damage, a->split);
   const double chosen = wall();
@@ -277,6 +288,13 @@ static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
     a->now.looked = (double)-INFINITY; /* children may too */
   a->seconds += wall() - chosen;
   return SDR_OK;
+}
+
+static sdr_status look(sdr_observer *observer, const sdr_moment *moment)
+{
+  adapt *a = of(observer);
+  a->now.owed = moment->last;
+  return moment->last ? SDR_OK : look_now(a, moment);
 }
 
 static void state(sdr_observer *observer, sdr_state_block *blocks, int *count)
@@ -292,7 +310,10 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
   adapt *a = of(observer);
   a->built->step = moment->step_size;
   a->built->steps = moment->steps;
-  return find_limit(a, a->built);
+  SDR_TRY(find_limit(a, a->built));
+  if (!a->now.owed) return SDR_OK;
+  a->now.owed = 0;
+  return look_now(a, moment);
 }
 
 static void destroy(sdr_observer *observer)
@@ -301,6 +322,7 @@ static void destroy(sdr_observer *observer)
   free_arrays(a);
   sdr_adapt_zone_destroy(&a->zone);
   sdr_free(a->young);
+  sdr_free(a->share);
   sdr_free(a);
 }
 
@@ -317,11 +339,16 @@ static sdr_status begin(adapt *a)
   int32_t *root = sdr_alloc((size_t)points->count, sizeof *root);
   double *drawn = sdr_alloc(sdr_points_padded(points), sizeof *drawn);
   a->young = sdr_alloc((size_t)points->count, sizeof *a->young);
-  sdr_status status = root && drawn && a->young ? SDR_OK : SDR_RUN_FAILED;
+  a->share = sdr_alloc((size_t)points->count, sizeof *a->share);
+  sdr_status status = root && drawn && a->young && a->share ? SDR_OK : SDR_RUN_FAILED;
   if (status == SDR_OK) status = sdr_body_young(a->built->scene, points, drawn);
   for (int32_t i = 0; status == SDR_OK && i < points->count; ++i) {
     a->young[rank_of(points, i)] = drawn[i];
     root[i] = i;
+  }
+  if (status == SDR_OK) {
+    sdr_own_shares(a->built->bonds, a->built->families, drawn);
+    for (int32_t i = 0; i < points->count; ++i) a->share[rank_of(points, i)] = drawn[i];
   }
   sdr_free(drawn);
   if (status == SDR_OK) status = sdr_adapt_zone_create(a->built->scene, points, &a->zone);

@@ -98,6 +98,7 @@ typedef struct {
   const sdr_points *points;
   const sdr_families *families;
   const double *young; /* Pa, a point */
+  const double *share; /* a point, or NULL */
   double poisson[256], toughness[256], strength[256];
 } parts;
 
@@ -116,6 +117,7 @@ static sdr_status make_bond_based(const parts *p, sdr_bonds *bonds, sdr_model **
                                   .mixed = p->scene->mixed,
                                   .precise = is_implicit(p->scene),
                                   .young = p->young,
+                                  .share = p->share,
                                   .toughness = p->toughness,
                                   .strength = p->strength};
   const sdr_status status = sdr_bond_based_create(p->points, bonds, p->families, &how, out);
@@ -161,7 +163,7 @@ static const maker makers[] = {[SDR_BOND_BASED] = make_bond_based,
                                [SDR_NONORDINARY] = make_nonordinary};
 
 sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points, const double *young,
-                           sdr_families **families, sdr_model **model)
+                           const double *share, sdr_families **families, sdr_model **model)
 {
   sdr_bonds *bonds = NULL;
   SDR_TRY(make_bonds(scene, points, families, &bonds));
@@ -173,5 +175,6 @@ sdr_status sdr_body_create(const sdr_scene *scene, const sdr_points *points, con
     p.poisson[m] = isnan(material->poisson) ? 0.0 : material->poisson; /* a bar has no use for it */
   }
   p.young = young;
+  p.share = share;
   return makers[scene->model](&p, bonds, model);
 }

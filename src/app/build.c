@@ -35,11 +35,18 @@ static int mark_of_pair(const void *context, const double a[3], const double b[3
   return protects(scene, a) || protects(scene, b) ? SDR_PROTECTED : 0;
 }
 
+static int may_mark(const void *context, const double low[3], const double high[3])
+{
+  const sdr_scene *scene = context;
+  return scene->damage.protect_count > 0 ||
+         sdr_cracks_near(scene, low, high, 1e-9 * scene->points.spacing);
+}
+
 sdr_pair_mark_of sdr_built_mark(const sdr_scene *scene)
 {
   const int protect = scene->damage.law != SDR_LAW_NONE && scene->damage.protect_count > 0;
   const int any = scene->crack_count > 0 || protect;
-  return (sdr_pair_mark_of){any ? mark_of_pair : NULL, scene};
+  return (sdr_pair_mark_of){any ? mark_of_pair : NULL, scene, may_mark};
 }
 
 /* SDR_BAD_INPUT if no point lies in a place. */
@@ -83,9 +90,10 @@ static sdr_status make_points(sdr_built *built)
   return sdr_points_arrange(built->points);
 }
 
-sdr_status sdr_built_model(sdr_built *built, const double *young)
+sdr_status sdr_built_model(sdr_built *built, const double *young, const double *share)
 {
-  SDR_TRY(sdr_body_create(built->scene, built->points, young, &built->families, &built->model));
+  SDR_TRY(
+      sdr_body_create(built->scene, built->points, young, share, &built->families, &built->model));
   built->model->ops->traits(built->model, &built->traits);
   built->bonds = built->traits.bonds;
   return SDR_OK;
@@ -95,7 +103,7 @@ static sdr_status make_model(sdr_built *built)
 {
   double *young = sdr_alloc(sdr_points_padded(built->points), sizeof *young);
   sdr_status status = young ? sdr_body_young(built->scene, built->points, young) : SDR_RUN_FAILED;
-  if (status == SDR_OK) status = sdr_built_model(built, young);
+  if (status == SDR_OK) status = sdr_built_model(built, young, NULL);
   sdr_free(young);
   return status;
 }

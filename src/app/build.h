@@ -44,9 +44,10 @@ sdr_status sdr_build(const char *path, const char *variant, int set_count, const
 sdr_status sdr_build_scene(sdr_scene **scene, sdr_built *out);
 
 /* Parts of it, to build them over other points (built->points) of the same scene: families and
-   model, not marked, with Young's modulus (Pa) of each point; then what acts on them, and the
-   system, at rest. */
-sdr_status sdr_built_model(sdr_built *built, const double *young);
+   model, not marked, with Young's modulus (Pa) of each point and what share of a full family's
+   energy each keeps (sdr_bond_based_how; NULL: its own); then what acts on them, and the system, at
+   rest. */
+sdr_status sdr_built_model(sdr_built *built, const double *young, const double *share);
 sdr_status sdr_built_system(sdr_built *built);
 /* What marks the pairs of the scene before a run: pre-cracks, protected zones. */
 sdr_pair_mark_of sdr_built_mark(const sdr_scene *scene);

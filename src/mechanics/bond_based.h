@@ -15,6 +15,9 @@ typedef struct {
   const double *young;     /* Pa, a point */
   const double *toughness; /* J/m^2, a material index */
   const double *strength;  /* Pa, a material index; for cohesive, else NULL is enough */
+  const double *share;     /* a point: what its family is to store under uniform dilation, over what
+                              a full one does, by a factor on its stiffness (points that split);
+                              NULL: what it does by itself */
   int mixed;               /* 1: explicit forces of runs in float arithmetic */
   int precise;             /* 1: histories in double, for implicit integrators */
 } sdr_bond_based_how;

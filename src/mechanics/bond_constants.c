@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "damage/strength.h"
 #include "mechanics/bond_internal.h"
+#include "nom/own_share.h"
 
 #include <math.h>
 
@@ -87,11 +88,30 @@ static sdr_status set_each(constants_call *call, sdr_bond_body *body)
   return SDR_OK;
 }
 
+/* Bring each family's energy of dilation to its `share` (theory sec. 14). Where it is that already
+   but for rounding, nothing changes. */
+static sdr_status keep_shares(const constants_call *call, sdr_bond_body *body)
+{
+  const double *share = call->how->share;
+  double *own = sdr_alloc((size_t)call->points->count, sizeof *own);
+  if (!own) return SDR_RUN_FAILED;
+  sdr_own_shares(body->bonds, call->families, own);
+  for (int32_t i = 0; i < call->points->count; ++i)
+    if (own[i] > 0.0 && fabs(share[i] / own[i] - 1.0) > 1e-12)
+      body->stiffness_at[i] *= share[i] / own[i];
+  sdr_free(own);
+  return SDR_OK;
+}
+
 sdr_status sdr_bond_set_constants(sdr_bond_body *body, const sdr_families *families,
                                   const sdr_bond_based_how *how)
 {
   constants_call call = {.points = body->points, .families = families, .how = how};
   constants first;
+  if (how->share) {
+    SDR_TRY(set_each(&call, body));
+    return keep_shares(&call, body);
+  }
   SDR_TRY(constants_of(&call, 0, &first));
   body->stiffness = first.c;
   body->threshold = first.q;

@@ -39,11 +39,40 @@ static double stretch(const field_call *call, const sdr_pair *pair)
   return sdr_pair_stretch(pair, call->model->head.points->components, call->u);
 }
 
-static void add_family_volume(const void *context, const sdr_pair *pair, int32_t point, double sign)
+static void add_loose_volume(void *context, const sdr_pair *pair)
 {
   const field_call *call = context;
-  if (own_weight(pair, sign) <= 0.0) return;
-  call->sum[0][point] += call->model->head.points->volume[sign > 0.0 ? pair->j : pair->i];
+  if (pair->weight_ij > 0.0) call->sum[0][pair->i] += call->model->head.points->volume[pair->j];
+}
+
+static void family_volume_of_stripe(void *context, int s)
+{
+  const field_call *call = context;
+  const sdr_bonds *bonds = call->model->bonds;
+  const sdr_points *points = call->model->head.points;
+  double *sum = call->sum[0];
+  for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
+    const sdr_bond_run *run = &bonds->runs[r];
+    const int32_t i = run->i0, j = run->j0;
+    if (bonds->classes[run->class_index].weight_ij > 0.0)
+      for (int32_t k = 0; k < run->length; ++k) sum[i + k] += points->volume[j + k];
+    if (bonds->classes[run->class_index].weight_ji > 0.0)
+      for (int32_t k = 0; k < run->length; ++k) sum[j + k] += points->volume[i + k];
+  }
+  if (bonds->loose.chunk_count > 0)
+    for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+      sdr_bonds_visit_loose_point(bonds, i, add_loose_volume, context);
+}
+
+sdr_status sdr_bond_find_family_volume(sdr_bond_model *model)
+{
+  const sdr_points *points = model->head.points;
+  if (model->family_volume) return SDR_OK;
+  model->family_volume = sdr_alloc(sdr_points_padded(points), sizeof *model->family_volume);
+  if (!model->family_volume) return SDR_RUN_FAILED;
+  field_call call = {.model = model, .sum = {model->family_volume}};
+  sdr_each_stripe(points, family_volume_of_stripe, &call);
+  return SDR_OK;
 }
 
 static void add_loose_damage(void *context, const sdr_pair *pair)
@@ -270,12 +299,7 @@ static void divide(const double *numerator, const double *denominator, int32_t c
 static sdr_status damage(sdr_bond_model *model, double *const u[3], double *sum, double *out)
 {
   const sdr_points *points = model->head.points;
-  if (!model->family_volume) {
-    double *volume = sdr_alloc(sdr_points_padded(points), sizeof *volume);
-    if (!volume) return SDR_RUN_FAILED;
-    accumulate(model, u, 1, volume, add_family_volume);
-    model->family_volume = volume;
-  }
+  SDR_TRY(sdr_bond_find_family_volume(model));
   field_call call = {.model = model, .u = u, .sum = {sum}};
   sdr_each_stripe(points, damage_of_stripe, &call);
   divide(sum, model->family_volume, points->count, out);

@@ -90,6 +90,8 @@ sdr_status sdr_bond_set_constants(sdr_bond_body *body, const sdr_families *famil
 void sdr_bond_precise_force(sdr_bond_model *model, double *const u[3], double *const f[3]);
 void sdr_bond_energies(sdr_model *model, double *const u[3], sdr_energies *out);
 sdr_status sdr_bond_field(sdr_model *model, double *const u[3], sdr_model_field which, double *out);
+/* Make family_volume if it is not there. */
+sdr_status sdr_bond_find_family_volume(sdr_bond_model *model);
 void sdr_bond_visit_damage(sdr_model *model, double *const u[3],
                            void (*visit)(void *context, int32_t i, int32_t j, double damage),
                            void *context);

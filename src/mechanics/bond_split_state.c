@@ -4,6 +4,7 @@
 #include "mechanics/bond_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct {
   const sdr_bond_model *model;
@@ -157,17 +158,73 @@ static void add_stripe(void *context, int s)
       sdr_bonds_visit_loose_point(bonds, i, add_loose, context);
 }
 
+/* ---- lost bonds only ------------------------------------------------------------------------- */
+
+static int any_lost(const sdr_flags *flags, int64_t length)
+{
+  sdr_flags any = 0;
+  for (int64_t k = 0; k < length; ++k) any |= flags[k];
+  return (any & (SDR_LOST_I | SDR_LOST_J)) != 0;
+}
+
+/* Volumes that the lost bonds of runs and of loose points take from their families. */
+static void add_lost_stripe(void *context, int s)
+{
+  const state_call *call = context;
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_points *points = call->model->head.points;
+  const sdr_bonds *bonds = call->model->bonds;
+  for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
+    const sdr_bond_run *run = &bonds->runs[r];
+    const sdr_flags *flags = body->flags + run->slot;
+    if (!any_lost(flags, run->length)) continue;
+    for (int32_t k = 0; k < run->length; ++k) {
+      const int32_t i = run->i0 + k, j = run->j0 + k;
+      if (flags[k] & SDR_CUT) continue;
+      if (flags[k] & SDR_LOST_I) call->damage[i] += points->volume[j];
+      if (flags[k] & SDR_LOST_J) call->damage[j] += points->volume[i];
+    }
+  }
+}
+
+static void add_lost_loose(void *context, const sdr_pair *pair)
+{
+  const state_call *call = context;
+  const sdr_flags flags = call->model->body.loose_flags[pair->slot];
+  if (pair->weight_ij > 0.0 && (flags & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I)
+    call->damage[pair->i] += call->model->head.points->volume[pair->j];
+}
+
+static sdr_status lost_shares(sdr_bond_model *model, double *damage)
+{
+  const sdr_points *points = model->head.points;
+  const sdr_bond_body *body = &model->body;
+  const sdr_loose *loose = &model->bonds->loose;
+  state_call call = {.model = model, .damage = damage};
+  SDR_TRY(sdr_bond_find_family_volume(model));
+  memset(damage, 0, (size_t)points->count * sizeof *damage);
+  if (body->flags) sdr_each_stripe(points, add_lost_stripe, &call);
+  if (body->loose_flags && any_lost(body->loose_flags, loose->slot_count))
+    for (int32_t i = 0; i < points->count; ++i)
+      sdr_bonds_visit_loose_point(model->bonds, i, add_lost_loose, &call);
+  for (int32_t i = 0; i < points->count; ++i)
+    if (damage[i] > 0.0) damage[i] /= model->family_volume[i];
+  return SDR_OK;
+}
+
 sdr_status sdr_bond_split_state(sdr_model *model, double *const u[3], double *energy,
                                 double *damage)
 {
   const sdr_points *points = model->points;
+  if (!energy && !sdr_law_softens((int)((sdr_bond_model *)model)->body.law))
+    return lost_shares((sdr_bond_model *)model, damage);
   const size_t padded = sdr_points_padded(points);
   double *sums = sdr_alloc(3 * padded, sizeof *sums);
   if (!sums) return SDR_RUN_FAILED;
   state_call call = {(sdr_bond_model *)model, u, sums, sums + padded, sums + 2 * padded};
   sdr_each_stripe(points, add_stripe, &call);
   for (int32_t i = 0; i < points->count; ++i) {
-    energy[i] = call.energy[i] / points->volume[i];
+    if (energy) energy[i] = call.energy[i] / points->volume[i];
     damage[i] = call.volume[i] > 0.0 ? call.damage[i] / call.volume[i] : 0.0;
   }
   sdr_free(sums);

@@ -45,10 +45,12 @@ typedef struct sdr_model sdr_model;
    (damage/laws.h) or 0; the same for a, b and b, a. */
 typedef int (*sdr_pair_mark)(const void *context, const double a[3], const double b[3]);
 
-/* A mark and what it is called with; mark NULL: no pair has one. */
+/* A mark and what it is called with; mark NULL: no pair has one. may: 0 if no pair within the box
+   low[3] .. high[3] has one. */
 typedef struct {
   sdr_pair_mark mark;
   const void *context;
+  int (*may)(const void *context, const double low[3], const double high[3]);
 } sdr_pair_mark_of;
 
 /* What is left of the pair of i and j: 1 whole, 0 lost; where halves differ, of the weaker. */
@@ -163,8 +165,8 @@ typedef struct {
   void (*visit_lost)(const sdr_model *model, int s, sdr_lost_visitor visit, void *context);
 
   /* What decides where points split: of each point the stored energy per volume (as
-     SDR_FIELD_ENERGY_DENSITY) and the damage without what was cut at the start. NULL if inherit is.
-   */
+     SDR_FIELD_ENERGY_DENSITY; `energy` NULL: not asked for, which saves most of the work) and the
+     damage without what was cut at the start. NULL if inherit is. */
   sdr_status (*split_state)(sdr_model *model, double *const u[3], double *energy, double *damage);
   /* Take over, after points have split, what `before` (a model of this kind) has: histories,
      energies booked. Pairs of points that split are marked as before a run. NULL: points of such a

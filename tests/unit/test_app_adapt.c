@@ -46,6 +46,19 @@ static void a_resumed_run_ends_with_the_same_bits(void **state)
   succeed(&s, "sunder plot new -o new.png");
 }
 
+/* A run does not split at its end, where nothing follows: the resumed one has to. */
+static void a_split_due_at_the_end_is_made_on_resuming(void **state)
+{
+  (void)state;
+  said s;
+  succeed(&s, "sunder run plate.yaml --quiet -o rare --set points.adapt.every='5 us'");
+  succeed(&s, "sunder run plate.yaml --quiet -o ended --set points.adapt.every='5 us' "
+              "--set time.end='10 us' && "
+              "sunder run plate.yaml --quiet -o ended --set points.adapt.every='5 us' "
+              "--resume ended/checkpoint.h5");
+  succeed(&s, "cmp rare/checkpoint.h5 ended/checkpoint.h5");
+}
+
 static void frames_after_a_split_hold_their_own_points(void **state)
 {
   (void)state;
@@ -99,6 +112,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_resumed_run_ends_with_the_same_bits),
+      cmocka_unit_test(a_split_due_at_the_end_is_made_on_resuming),
       cmocka_unit_test(frames_after_a_split_hold_their_own_points),
       cmocka_unit_test(pictures_show_the_points_of_their_frame),
       cmocka_unit_test(the_summary_books_what_splits_changed),
