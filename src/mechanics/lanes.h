@@ -65,6 +65,18 @@ SDR_INLINE void store_lanes(double *p, sdr_lanes v)
   memcpy(p, &v, sizeof v);
 }
 
+SDR_INLINE sdr_lanes root_lanes(sdr_lanes v)
+{
+#if defined(__AVX512F__)
+  return (sdr_lanes)_mm512_sqrt_pd((__m512d)v);
+#elif defined(__AVX__)
+  return (sdr_lanes)_mm256_sqrt_pd((__m256d)v);
+#else
+  for (int l = 0; l < SDR_WIDTH; ++l) v[l] = sqrt(v[l]);
+  return v;
+#endif
+}
+
 /* ---- some lanes, the others 0 ---------------------------------------------------------------- */
 
 /* What is not in the mask is not read. */
@@ -130,7 +142,10 @@ SDR_INLINE void store_some(double *p, unsigned mask, sdr_lanes v)
 SDR_INLINE sdr_lanes gather_lanes(const double *p, const int32_t *index)
 {
 #if defined(__AVX512F__)
-  return (sdr_lanes)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)index), p, 8);
+  __mmask8 all = 0xff;
+  __asm__("" : "+k"(all)); /* known to be all lanes, gcc 12 has it wait for the gather before */
+  return (sdr_lanes)_mm512_mask_i32gather_pd(_mm512_setzero_pd(), all,
+                                             _mm256_loadu_si256((const __m256i *)index), p, 8);
 #else
   double part[SDR_WIDTH];
   for (int l = 0; l < SDR_WIDTH; ++l) part[l] = p[index[l]];
@@ -191,6 +206,18 @@ SDR_INLINE sdr_lanes_int ints_of(sdr_lanes_bits v)
 SDR_INLINE sdr_lanes_bits bits_of_ints(sdr_lanes_int v)
 {
   return __builtin_convertvector(v, sdr_lanes_bits);
+}
+
+/* 1 if some lane is not 0. */
+SDR_INLINE int any_ints(sdr_lanes_int v)
+{
+#if defined(__AVX512F__)
+  return !_mm256_testz_si256((__m256i)v, (__m256i)v);
+#elif defined(__AVX__)
+  return !_mm_testz_si128((__m128i)v, (__m128i)v);
+#else
+  return (v[0] | v[1]) != 0;
+#endif
 }
 
 SDR_INLINE sdr_lanes_int some_ints(sdr_lanes_int mask, sdr_lanes_int a, sdr_lanes_int b)

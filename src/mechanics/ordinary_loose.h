@@ -1,272 +1,241 @@
-/* Loops over the loose pairs of ordinary bodies: the eight points of a chunk are the lanes, and
-   each adds to itself alone. Columns without flags, where no stretch may set one, touch no flags.
- */
+/* Loops over the loose pairs of ordinary bodies: the points of a chunk are the lanes (lanes.h), and
+   each adds to itself alone, in registers over all of its columns. */
 #ifndef SDR_MECHANICS_ORDINARY_LOOSE_H
 #define SDR_MECHANICS_ORDINARY_LOOSE_H
 
 #include "mechanics/ordinary_loop.h"
 #include "mechanics/records.h"
 
-/* One slot: the present vector from point to point (of the reference shape if linear), xi^2 and
-   1/xi^2, stretch and r = 1 + stretch. */
+/* Some lanes of a chunk: where their points are named, and displacements and coefficients of these;
+   `same`: all pairs have one weight. */
 typedef struct {
-  double y[3], square, inverse, s, r;
-} sdr_ordinary_slot;
-
-/* A chunk at work: its points, what they have, and the sums of its lanes. */
-typedef struct {
-  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], lost[SDR_LANES], force[3][SDR_LANES];
-  _Alignas(64) double u[3][SDR_LANES], along[SDR_LANES], across[SDR_LANES];
-  _Alignas(64) sdr_flags fresh[SDR_LANES];
+  const sdr_ordinary *o;
   const int32_t *point;
-} sdr_ordinary_chunk;
+  int same;
+  sdr_lanes u[3], along, across;
+} sdr_ordinary_own;
 
-/* What a column's neighbours have: displacements, then the coefficients of forces that fit. */
+/* Pairs of a column: the present vector from point to point (of the reference shape if linear),
+   xi^2 and 1/xi^2, stretch and r = 1 + stretch, and of the other ends what stands behind
+   displacements in their records. */
 typedef struct {
-  _Alignas(64) double of[SDR_RECORD][SDR_LANES];
-} sdr_ordinary_others;
+  sdr_lanes y[3], square, inverse, s, r, other[SDR_RECORD];
+} sdr_ordinary_lanes;
 
-SDR_INLINE sdr_ordinary_slot slot_at(const int components, const int linear, const sdr_loose *loose,
-                                     int64_t slot, int lane, sdr_ordinary_chunk *chunk,
-                                     sdr_ordinary_others *other)
+SDR_INLINE void own_lanes(const int components, const int forces, const sdr_ordinary *o,
+                          int64_t chunk, int lane, double *const u[3], sdr_ordinary_own *to)
 {
-  sdr_ordinary_slot p = {.y = {0.0}};
-  double z = 0.0;
+  const sdr_loose *loose = &o->body.bonds->loose;
+  to->o = o;
+  to->point = loose->point + chunk * SDR_LANES + lane;
+  to->same = loose->shared_weight != 0.0;
+  for (int a = 0; a < components; ++a) to->u[a] = gather_lanes(u[a], to->point);
+  if (!forces) return;
+  to->along = gather_lanes(o->along, to->point);
+  to->across = gather_lanes(o->across, to->point);
+}
+
+/* sdr_state_stretch_of */
+SDR_INLINE void stretch_lanes(sdr_lanes z, sdr_ordinary_lanes *p)
+{
+  const sdr_lanes least = all_lanes(1e-18), now = 1.0 + z;
+  p->r = root_lanes(where_above(now, least, now, least));
+  const sdr_lanes rough = p->r - 1.0;
+  p->s = rough + 0.5 * (z - rough * (rough + 2.0));
+}
+
+SDR_INLINE void pair_lanes(const int components, const int linear, const sdr_ordinary_own *own,
+                           int64_t slot, sdr_ordinary_lanes *p)
+{
+  const sdr_loose *loose = &own->o->body.bonds->loose;
+  sdr_lanes z = all_lanes(0.0);
+  p->square = z;
+  record_lanes(own->o->records, SDR_RECORD, loose->j + slot, p->other);
   for (int a = 0; a < components; ++a) {
-    const double xi = loose->xi[a][slot], eta = other->of[a][lane] - chunk->u[a][lane];
-    p.y[a] = linear ? xi : xi + eta;
-    p.square += xi * xi;
-    z += linear ? xi * eta : (2.0 * xi + eta) * eta;
+    const sdr_lanes xi = load_lanes(loose->xi[a] + slot), eta = p->other[a] - own->u[a];
+    p->y[a] = linear ? xi : xi + eta;
+    p->square = fma_lanes(xi, xi, p->square);
+    z = fma_lanes(linear ? xi : 2.0 * xi + eta, eta, z);
   }
-  p.inverse = 1.0 / p.square;
-  z *= p.inverse;
-  const sdr_state_stretch now = linear ? (sdr_state_stretch){z, 1.0} : sdr_state_stretch_of(z);
-  p.s = now.s;
-  p.r = now.r;
-  return p;
+  p->inverse = 1.0 / p->square;
+  z *= p->inverse;
+  if (linear) {
+    p->s = z;
+    p->r = all_lanes(1.0);
+  } else {
+    stretch_lanes(z, p);
+  }
 }
 
-/* P and Q of a half over its weight. */
-SDR_INLINE double loose_p(int printed, const sdr_ordinary_slot *p)
+/* P and Q of a half over its weight, and P^2/Q. */
+SDR_INLINE sdr_lanes loose_p(int printed, const sdr_ordinary_lanes *p)
 {
-  return printed ? 1.0 : p->square;
+  return printed ? all_lanes(1.0) : p->square;
 }
-SDR_INLINE double loose_q(int printed, const sdr_ordinary_slot *p)
+SDR_INLINE sdr_lanes loose_q(int printed, const sdr_ordinary_lanes *p)
 {
-  return printed ? sqrt(p->square) : p->square;
+  return printed ? root_lanes(p->square) : p->square;
+}
+SDR_INLINE sdr_lanes loose_r(int printed, const sdr_ordinary_lanes *p)
+{
+  return printed ? 1.0 / root_lanes(p->square) : p->square;
 }
 
-/* P^2/Q likewise. */
-SDR_INLINE double loose_r(int printed, const sdr_ordinary_slot *p)
-{
-  return printed ? 1.0 / sqrt(p->square) : p->square;
-}
+/* ---- sums ------------------------------------------------------------------------------------ */
 
 /* What flags there are: none, some, some where all points share one threshold (no gather). */
 enum { SDR_LOOSE_UNFLAGGED, SDR_LOOSE_FLAGGED, SDR_LOOSE_SHARED };
 
-/* Flags of a slot of point i as this pass sees them. */
-SDR_INLINE sdr_flags loose_flags_of(const int use, const int flagged, const sdr_ordinary *o,
-                                    int64_t slot, int32_t i, double s)
+typedef struct {
+  sdr_lanes sum, square, lost;
+  sdr_lanes_int fresh;
+} sdr_ordinary_sum_lanes;
+
+/* grown_flags */
+SDR_INLINE sdr_lanes_int grown_lanes(const int flagged, const sdr_ordinary_own *own, int64_t slot,
+                                     sdr_lanes s, sdr_lanes_int before)
 {
-  const sdr_flags before = o->body.loose_flags[slot];
-  const double *const q = o->body.threshold, one = o->weakest;
-  if (!use) return before;
-  if (flagged == SDR_LOOSE_SHARED) return grown_flags(before, s, one, one);
-  return grown_flags(before, s, q[i], q[o->body.bonds->loose.j[slot]]);
+  const sdr_ordinary *o = own->o;
+  const int32_t *const j = o->body.bonds->loose.j + slot;
+  sdr_lanes qi = all_lanes(o->weakest), qj = qi;
+  if (flagged == SDR_LOOSE_FLAGGED) {
+    qi = gather_lanes(o->body.threshold, own->point);
+    qj = gather_lanes(o->body.threshold, j);
+  }
+  const sdr_lanes_bits longer = s > 0.0;
+  const sdr_lanes_bits broken =
+      longer & (((s * s > qi) & SDR_LOST_I) | ((s * s > qj) & SDR_LOST_J));
+  const sdr_lanes_int lost = ints_of(broken) & ~before;
+  return some_ints((before & SDR_PROTECTED) != 0, before, before | lost | lost << 2);
 }
 
-SDR_INLINE void sums_of_column(const int components, const int squares, const int use,
-                               const int flagged, const int linear, sdr_ordinary *o,
-                               sdr_ordinary_chunk *chunk, int64_t column)
+/* Halves that are gone count no more; *s: stretches of those that are left. */
+SDR_INLINE void sift_lanes(const int use, const int flagged, const sdr_ordinary_own *own,
+                           int64_t slot, sdr_lanes r, sdr_lanes *s, sdr_ordinary_sum_lanes *to)
 {
-  const sdr_loose *loose = &o->body.bonds->loose;
-  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
-  sdr_flags *const flags = flagged ? o->body.loose_flags + column : NULL;
-  sdr_ordinary_others other;
-  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
-    const double w = loose->weight_ij[slot], p = w * loose_p(printed, &pair);
-    double s = pair.s;
-    if (flagged) {
-      const sdr_flags grown = loose_flags_of(use, flagged, o, slot, chunk->point[lane], s);
-      s = grown & SDR_LOST_I ? 0.0 : s;
-      const double r = w * loose_r(printed, &pair);
-      chunk->lost[lane] += (grown & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I ? r : 0.0;
-      if (use) flags[lane] = grown;
-      chunk->fresh[lane] |= grown;
-    }
-    chunk->sum[lane] += p * s;
-    if (squares) chunk->square[lane] += w * loose_q(printed, &pair) * s * s;
-  }
+  sdr_flags *const flags = own->o->body.loose_flags + slot;
+  const sdr_lanes_int before = load_ints(flags);
+  const sdr_lanes_int after = use ? grown_lanes(flagged, own, slot, *s, before) : before;
+  if (!any_ints(after)) return;
+  const sdr_lanes zero = all_lanes(0.0);
+  const sdr_lanes_bits gone = bits_of_ints((after & SDR_LOST_I) != 0);
+  const sdr_lanes_bits torn = bits_of_ints((after & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I);
+  *s = where_set(gone, zero, *s);
+  to->lost += where_set(torn, r, zero);
+  if (use) memcpy(flags, &after, sizeof after);
+  to->fresh |= after;
 }
 
-/* 1 if a slot of the column has a flag. */
-SDR_INLINE int column_flagged(const sdr_ordinary *o, int64_t column)
+SDR_INLINE void sums_of_lanes(const int components, const int squares, const int use,
+                              const int flagged, const int linear, const int printed,
+                              const sdr_ordinary_own *own, const int64_t column[2], int lane,
+                              sdr_ordinary_sum_lanes *out)
 {
-  const sdr_flags *const flags = o->body.loose_flags + column;
-  sdr_flags all = 0;
-#pragma omp simd reduction(| : all)
-  for (int lane = 0; lane < SDR_LANES; ++lane) all |= flags[lane];
-  return all != 0;
+  const sdr_loose *loose = &own->o->body.bonds->loose;
+  sdr_ordinary_sum_lanes to = {0};
+  for (int64_t slot = column[0] + lane; slot < column[1]; slot += SDR_LANES) {
+    sdr_ordinary_lanes p;
+    pair_lanes(components, linear, own, slot, &p);
+    /* padding has no stretch, so its weight does not matter */
+    const sdr_lanes w =
+        own->same ? all_lanes(loose->shared_weight) : load_lanes(loose->weight_ij + slot);
+    sdr_lanes s = p.s;
+    if (flagged) sift_lanes(use, flagged, own, slot, w * loose_r(printed, &p), &s, &to);
+    to.sum = fma_lanes(w * loose_p(printed, &p), s, to.sum);
+    if (squares) to.square = fma_lanes(w * loose_q(printed, &p), s * s, to.square);
+  }
+  *out = to;
 }
 
-/* A column without flags; returns 1 and adds nothing where a bond may break. `same`: all pairs have
-   one weight; that of padding does not matter, since it has no stretch. */
-SDR_INLINE int sums_of_clean(const int components, const int squares, const int use,
-                             const int linear, const int same, const sdr_ordinary *o,
-                             sdr_ordinary_chunk *chunk, int64_t column)
+/* array[point] += lane after lane, since lanes may repeat a point. */
+SDR_INLINE void add_lanes(sdr_lanes v, const int32_t *point, double *array)
 {
-  _Alignas(64) double sum[SDR_LANES], square[SDR_LANES], most[SDR_LANES];
-  const sdr_loose *loose = &o->body.bonds->loose;
-  const double shared = loose->shared_weight, weakest = o->weakest;
-  sdr_ordinary_others other;
-  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
-    const double w = same ? shared : loose->weight_ij[slot], p = w * pair.square;
-    sum[lane] = p * pair.s;
-    square[lane] = squares ? p * pair.s * pair.s : 0.0;
-    most[lane] = pair.s > 0.0 ? pair.s * pair.s : 0.0;
-  }
-  if (use) {
-    int any = 0;
-#pragma omp simd reduction(| : any)
-    for (int lane = 0; lane < SDR_LANES; ++lane) any |= most[lane] > weakest;
-    if (any) return 1;
-  }
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    chunk->sum[lane] += sum[lane];
-    if (squares) chunk->square[lane] += square[lane];
-  }
-  return 0;
-}
-
-SDR_INLINE void sums_of_any(const int components, const int squares, const int use,
-                            const int flagged, const int linear, sdr_ordinary *o,
-                            sdr_ordinary_chunk *chunk, int64_t column)
-{
-  int left = o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column));
-  if (!left && o->body.bonds->loose.shared_weight != 0.0)
-    left = sums_of_clean(components, squares, use, linear, 1, o, chunk, column);
-  else if (!left)
-    left = sums_of_clean(components, squares, use, linear, 0, o, chunk, column);
-  if (left) sums_of_column(components, squares, use, flagged, linear, o, chunk, column);
+  for (int lane = 0; lane < SDR_WIDTH; ++lane) array[point[lane]] += v[lane];
 }
 
 SDR_INLINE void sums_of_loose(const int components, const int squares, const int use,
                               const int flagged, const int linear, sdr_ordinary *o, int64_t first,
                               int64_t end, double *const u[3])
 {
-  for (int64_t c = first; c < end; ++c) {
-    const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
-    sdr_ordinary_chunk chunk = {.point = o->body.bonds->loose.point + c * SDR_LANES};
-    for (int a = 0; a < components; ++a) load_points(u[a], chunk.point, chunk.u[a]);
-    for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-      sums_of_any(components, squares, use, flagged, linear, o, &chunk, column);
-    sdr_flags fresh = 0;
-    add_to_points(chunk.sum, chunk.point, o->sum);
-    if (squares) add_to_points(chunk.square, chunk.point, o->square);
-    if (o->lost) add_to_points(chunk.lost, chunk.point, o->lost);
-    for (int lane = 0; lane < SDR_LANES; ++lane) fresh |= chunk.fresh[lane];
-    if (use && fresh & (SDR_FRESH_I | SDR_FRESH_J)) o->body.chunk_fresh[c] = 1;
-  }
-}
-
-SDR_INLINE double other_along(const int components, const sdr_ordinary_others *other, int lane)
-{
-  return other->of[components][lane];
-}
-SDR_INLINE double other_across(const int components, const sdr_ordinary *o,
-                               const sdr_ordinary_others *other, int lane, int32_t j)
-{
-  return components < 3 ? other->of[(components + 1) % SDR_RECORD][lane] : o->across[j];
-}
-
-SDR_INLINE void force_of_column(const int components, const int flagged, const int linear,
-                                const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
-{
-  const sdr_loose *loose = &o->body.bonds->loose;
   const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
-  sdr_ordinary_others other;
-  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane;
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
-    const double p = loose_p(printed, &pair), q = loose_q(printed, &pair) * pair.s;
-    double hi = loose->weight_ij[slot] * (p * chunk->along[lane] + q * chunk->across[lane]);
-    double hj =
-        loose->weight_ji[slot] * (p * other_along(components, &other, lane) +
-                                  q * other_across(components, o, &other, lane, loose->j[slot]));
-    if (flagged) {
-      const sdr_flags flags = o->body.loose_flags[slot];
-      hi = flags & SDR_LOST_I ? 0.0 : hi;
-      hj = flags & SDR_LOST_J ? 0.0 : hj;
+  for (int64_t c = first; c < end; ++c)
+    for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
+      const int64_t *const column = o->body.bonds->loose.chunk_slot + c;
+      sdr_ordinary_own own;
+      sdr_ordinary_sum_lanes to;
+      own_lanes(components, 0, o, c, lane, u, &own);
+      if (printed)
+        sums_of_lanes(components, squares, use, flagged, linear, 1, &own, column, lane, &to);
+      else
+        sums_of_lanes(components, squares, use, flagged, linear, 0, &own, column, lane, &to);
+      add_lanes(to.sum, own.point, o->sum);
+      if (squares) add_lanes(to.square, own.point, o->square);
+      if (o->lost) add_lanes(to.lost, own.point, o->lost);
+      if (use && any_ints(to.fresh & (SDR_FRESH_I | SDR_FRESH_J))) o->body.chunk_fresh[c] = 1;
     }
-    const double phi = (hi + hj) * pair.inverse / pair.r;
-    for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
-  }
 }
 
-/* A column without flags. Padding, which has no weight, is its own neighbour. */
-SDR_INLINE void force_of_clean(const int components, const int linear, const int same,
-                               const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
+/* ---- forces ---------------------------------------------------------------------------------- */
+
+/* Force over the vector from point to point. */
+SDR_INLINE sdr_lanes phi_lanes(const int components, const int flagged, const int printed,
+                               const sdr_ordinary_own *own, int64_t slot,
+                               const sdr_ordinary_lanes *p)
 {
+  const sdr_ordinary *o = own->o;
   const sdr_loose *loose = &o->body.bonds->loose;
-  const double shared = loose->shared_weight;
-  sdr_ordinary_others other;
-  gather_records(o->records, SDR_RECORD, loose->j + column, other.of);
-#pragma omp simd
-  for (int lane = 0; lane < SDR_LANES; ++lane) {
-    const int64_t slot = column + lane;
-    const int32_t j = loose->j[slot];
-    const sdr_ordinary_slot pair = slot_at(components, linear, loose, slot, lane, chunk, &other);
-    const double along_j = other_along(components, &other, lane);
-    const double across_j = other_across(components, o, &other, lane, j);
-    const double wi = same ? 1.0 : loose->weight_ij[slot], wj = same ? 1.0 : loose->weight_ji[slot];
-    const double along = wi * chunk->along[lane] + wj * along_j;
-    const double across = wi * chunk->across[lane] + wj * across_j;
-    double phi = (along + across * pair.s) / pair.r;
-    if (same) phi = j == chunk->point[lane] ? 0.0 : phi * shared;
-    for (int a = 0; a < components; ++a) chunk->force[a][lane] += phi * pair.y[a];
+  const sdr_lanes zero = all_lanes(0.0);
+  const sdr_lanes along = p->other[components];
+  const sdr_lanes across = components < 3 ? p->other[(components + 1) % SDR_RECORD]
+                                          : gather_lanes(o->across, loose->j + slot);
+  if (!flagged && !printed && own->same) { /* padding is its own neighbour */
+    const sdr_lanes both = fma_lanes(own->across + across, p->s, own->along + along);
+    const sdr_lanes_int alone = load_ints(loose->j + slot) == load_ints(own->point);
+    return where_set(bits_of_ints(alone), zero, loose->shared_weight * both / p->r);
   }
+  const sdr_lanes q = printed ? loose_q(1, p) * p->s * p->inverse : p->s;
+  const sdr_lanes one = printed ? p->inverse : all_lanes(1.0);
+  sdr_lanes hi = load_lanes(loose->weight_ij + slot) * fma_lanes(own->across, q, own->along * one);
+  sdr_lanes hj = load_lanes(loose->weight_ji + slot) * fma_lanes(across, q, along * one);
+  if (flagged) {
+    const sdr_lanes_int flags = load_ints(o->body.loose_flags + slot);
+    hi = where_set(bits_of_ints((flags & SDR_LOST_I) != 0), zero, hi);
+    hj = where_set(bits_of_ints((flags & SDR_LOST_J) != 0), zero, hj);
+  }
+  return (hi + hj) / p->r;
 }
 
-SDR_INLINE void force_of_any(const int components, const int flagged, const int linear,
-                             const sdr_ordinary *o, sdr_ordinary_chunk *chunk, int64_t column)
+SDR_INLINE void force_of_lanes(const int components, const int flagged, const int linear,
+                               const int printed, const sdr_ordinary_own *own,
+                               const int64_t column[2], int lane, sdr_lanes out[3])
 {
-  if (o->form == SDR_FORM_MADENCI_OTERKUS || (flagged && column_flagged(o, column)))
-    force_of_column(components, flagged, linear, o, chunk, column);
-  else if (o->body.bonds->loose.shared_weight != 0.0)
-    force_of_clean(components, linear, 1, o, chunk, column);
-  else
-    force_of_clean(components, linear, 0, o, chunk, column);
+  sdr_lanes force[3] = {all_lanes(0.0), all_lanes(0.0), all_lanes(0.0)};
+  for (int64_t slot = column[0] + lane; slot < column[1]; slot += SDR_LANES) {
+    sdr_ordinary_lanes p;
+    pair_lanes(components, linear, own, slot, &p);
+    const sdr_lanes phi = phi_lanes(components, flagged, printed, own, slot, &p);
+    for (int a = 0; a < components; ++a) force[a] = fma_lanes(phi, p.y[a], force[a]);
+  }
+  for (int a = 0; a < components; ++a) out[a] = linear ? -force[a] : force[a];
 }
 
 SDR_INLINE void force_of_loose(const int components, const int flagged, const int linear,
                                const sdr_ordinary *o, int64_t first, int64_t end,
                                double *const u[3], double *const f[3])
 {
-  for (int64_t c = first; c < end; ++c) {
-    const int64_t *const slot = o->body.bonds->loose.chunk_slot + c;
-    sdr_ordinary_chunk chunk = {.point = o->body.bonds->loose.point + c * SDR_LANES};
-    for (int a = 0; a < components; ++a) load_points(u[a], chunk.point, chunk.u[a]);
-    load_points(o->along, chunk.point, chunk.along);
-    load_points(o->across, chunk.point, chunk.across);
-    for (int64_t column = slot[0]; column < slot[1]; column += SDR_LANES)
-      force_of_any(components, flagged, linear, o, &chunk, column);
-    for (int a = 0; a < components; ++a) {
-      for (int lane = 0; linear && lane < SDR_LANES; ++lane) chunk.force[a][lane] *= -1.0;
-      add_to_points(chunk.force[a], chunk.point, f[a]);
+  const int printed = o->form == SDR_FORM_MADENCI_OTERKUS;
+  for (int64_t c = first; c < end; ++c)
+    for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
+      const int64_t *const column = o->body.bonds->loose.chunk_slot + c;
+      sdr_ordinary_own own;
+      sdr_lanes force[3];
+      own_lanes(components, 1, o, c, lane, u, &own);
+      if (printed)
+        force_of_lanes(components, flagged, linear, 1, &own, column, lane, force);
+      else
+        force_of_lanes(components, flagged, linear, 0, &own, column, lane, force);
+      for (int a = 0; a < components; ++a) add_lanes(force[a], own.point, f[a]);
     }
-  }
 }
 
 #endif
