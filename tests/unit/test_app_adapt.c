@@ -53,7 +53,7 @@ static void a_split_due_at_the_end_is_made_on_resuming(void **state)
   said s;
   succeed(&s, "sunder run plate.yaml --quiet -o rare --set points.adapt.every='5 us'");
   succeed(&s, "sunder run plate.yaml --quiet -o ended --set points.adapt.every='5 us' "
-              "--set time.end='10 us' && "
+              "--set time.end='10.4 us' && "
               "sunder run plate.yaml --quiet -o ended --set points.adapt.every='5 us' "
               "--resume ended/checkpoint.h5");
   succeed(&s, "cmp rare/checkpoint.h5 ended/checkpoint.h5");
