@@ -34,6 +34,7 @@ sdr_status sdr_equilibrium_create(sdr_implicit *implicit, const char *solver, sd
   if (status == SDR_OK)
     status =
         sdr_reduction_create(sdr_tangent_matrix(e->secant ? e->secant : e->tangent), &e->reduction);
+  if (status == SDR_OK) status = sdr_mean_border_create(&e->border);
   if (status == SDR_OK) status = sdr_solver_create(solver, SDR_MATRIX_POSITIVE, &e->solver);
   if (status == SDR_OK)
     *out = e;
@@ -48,6 +49,7 @@ void sdr_equilibrium_destroy(sdr_equilibrium **equilibrium)
   if (!e) return;
   sdr_solver_destroy(&e->solver);
   sdr_reduction_destroy(&e->reduction);
+  sdr_mean_border_destroy(&e->border);
   sdr_tangent_destroy(&e->tangent);
   sdr_tangent_destroy(&e->secant);
   sdr_free(e->internal);
@@ -158,14 +160,18 @@ static void set_shift(sdr_equilibrium *e)
 static sdr_status factor_matrix(sdr_equilibrium *e)
 {
   int renewed;
-  SDR_TRY(sdr_reduction_update(e->reduction, &e->implicit->constraints, &renewed));
+  SDR_TRY(sdr_mean_border_take(e->border, e->implicit));
+  const sdr_constraints *open = sdr_mean_border_open(e->border);
+  SDR_TRY(sdr_reduction_update(e->reduction, open, &renewed));
   set_shift(e);
-  sdr_reduction_add_diagonal(e->reduction, &e->implicit->constraints, e->wide);
+  sdr_mean_border_add_springs(e->border, e->stiffest, e->wide);
+  sdr_reduction_add_diagonal(e->reduction, open, e->wide);
   const sdr_csr *reduced = sdr_reduction_matrix(e->reduction);
   ++e->implicit->system->solve.factorisations;
   const int again = e->factored && !renewed;
   e->factored = 0;
   SDR_TRY(again ? sdr_solver_refactor(e->solver, reduced) : sdr_solver_factor(e->solver, reduced));
+  SDR_TRY(sdr_mean_border_factor(e->border, e->solver));
   e->factored = 1;
   return SDR_OK;
 }
@@ -185,7 +191,7 @@ sdr_status sdr_equilibrium_factor(sdr_equilibrium *e, const double *u)
 sdr_status sdr_equilibrium_precondition(sdr_equilibrium *e, const double *r, double *z)
 {
   ++e->implicit->system->solve.iterations;
-  return sdr_solver_precondition(e->solver, r, z);
+  return sdr_mean_border_solve(e->border, e->solver, r, z);
 }
 
 double sdr_equilibrium_dot(const sdr_equilibrium *e, const double *x, const double *y)

@@ -11,15 +11,17 @@
 #include "linalg/solver.h"
 #include "mechanics/reduction.h"
 #include "mechanics/tangent.h"
-#include "time/implicit.h"
+#include "time/mean_border.h"
 
 typedef struct {
   sdr_implicit *implicit;        /* borrowed */
   sdr_tangent *tangent, *secant; /* secant NULL: the model has none */
   const sdr_csr *matrix;         /* of the products: what was assembled last */
+  sdr_mean_border *border;       /* means stay out of what is factored */
   sdr_reduction *reduction;
   sdr_solver *solver;
-  int factored;                /* 1: the solver has a factor for the present free components */
+  int careful;  /* 1: only steps that follow the tangent are taken, to the minimum close by */
+  int factored; /* 1: the solver has a factor for the present free components */
   const double *pull, *target; /* an unknown: N/m, m; NULL: none */
   double largest;              /* of `scale` so far, N */
   double scale;         /* of forces at the last look: sqrt of sum of loads and reactions squared */

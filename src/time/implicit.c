@@ -32,9 +32,11 @@ static sdr_status constrain(sdr_implicit *implicit)
     SDR_TRY(sdr_layers_values(system->layers, implicit->time));
     SDR_TRY(sdr_layers_slaves(system->layers, &implicit->slaves));
   }
+  const int32_t others = implicit->slaves.count;
   if (!implicit->free_means)
     SDR_TRY(sdr_slaves_of_means(system->supports, system->motion, system->model->points,
                                 &implicit->slaves));
+  implicit->means = implicit->slaves.count - others;
   return sdr_constraints_create(system->model->points, system->supports, system->motion,
                                 implicit->slaves.count > 0 ? &implicit->slaves : NULL,
                                 &implicit->constraints);

@@ -15,6 +15,7 @@ typedef struct {
   double time;            /* s, of all that follows */
   sdr_constraints constraints;
   sdr_slaves slaves;
+  int32_t means;   /* how many of the slaves, the last ones, keep means */
   double *load;    /* an unknown: what loads put on it, N */
   double *mass;    /* an unknown: kg; 0 for points of layers */
   double *reached; /* an entry of the supports' list: its displacement at the system's time, m */

@@ -1,26 +1,32 @@
 /* Truncated Newton on the energy of equilibrium.h: steps by conjugate gradients on the exact
    tangent, preconditioned by a factor of the secant stiffness that is renewed when it has grown
-   stale; each step is searched along for a sufficient decrease of the energy (Armijo). Where the
-   tangent has a negative curvature the iterate so far is the direction. So the energy falls always,
-   also past a peak, where the norm of the residual does not. */
+   stale; each step is searched along for a sufficient decrease of the energy (Armijo). So the
+   energy falls always, also past a peak, where the norm of the residual does not. Where the tangent
+   has a negative curvature, as it has while bonds soften, conjugate gradients say little: there the
+   factor itself gives the steps, improved by what the last steps have shown (secant_pairs.h), at
+   a quarter of the cost, until the residual has fallen by far. A solver that iterates has no
+   such factor; then the iterate so far is the direction. */
 #include "time/newton_pcg.h"
 
 #include "base/memory.h"
+#include "time/secant_pairs.h"
 #include "time/static.h"
 
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-enum { MOST_STEPS = 120, MOST_PRODUCTS = 400, MOST_HALVINGS = 40 };
+enum { MOST_STEPS = 120, MOST_DESCENTS = 300, OLD = 40, MOST_PRODUCTS = 400, MOST_HALVINGS = 40 };
 
 struct sdr_newton {
   sdr_equilibrium *e;
   int32_t room; /* of the vectors over q */
   double *gradient, *step, *residual, *scaled, *direction, *product, *tried_gradient;
-  double *q;          /* free components of the state */
-  double *tried;      /* an unknown: a state */
+  double *q;     /* free components of the state */
+  double *tried; /* an unknown: a state */
+  sdr_secant_pairs *pairs;
   int64_t iterations; /* of the last direction */
+  int descents;       /* by pairs, with this factor */
 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
@@ -36,6 +42,7 @@ static void free_vectors(sdr_newton *n)
   sdr_free(n->tried_gradient);
   sdr_free(n->q);
   sdr_free(n->tried);
+  sdr_secant_pairs_destroy(&n->pairs);
 }
 
 sdr_status sdr_newton_create(sdr_equilibrium *e, sdr_newton **out)
@@ -53,8 +60,9 @@ sdr_status sdr_newton_create(sdr_equilibrium *e, sdr_newton **out)
   n->tried_gradient = sdr_alloc(room, sizeof *n->tried_gradient);
   n->q = sdr_alloc(room, sizeof *n->q);
   n->tried = sdr_alloc(room, sizeof *n->tried);
-  if (n->gradient && n->step && n->residual && n->scaled && n->direction && n->product &&
-      n->tried_gradient && n->q && n->tried)
+  const sdr_status paired = sdr_secant_pairs_create(e->implicit->unknowns, &n->pairs);
+  if (paired == SDR_OK && n->gradient && n->step && n->residual && n->scaled && n->direction &&
+      n->product && n->tried_gradient && n->q && n->tried)
     *out = n;
   else
     sdr_newton_destroy(&n);
@@ -83,7 +91,7 @@ static sdr_status renew_factor(sdr_newton *n, const double *u)
   const double from = seconds();
   SDR_TRY(sdr_equilibrium_factor(n->e, u));
   n->e->implicit->system->solve.factor_seconds += seconds() - from;
-  n->iterations = 0;
+  n->iterations = n->descents = 0;
   return SDR_OK;
 }
 
@@ -96,7 +104,7 @@ static int is_stale(const sdr_newton *n)
   const double matrix = (double)n->e->matrix->row[n->e->matrix->rows];
   const double products = (4.0 * report.nonzeros + 2.0 * matrix) / 1e9;
   const double most = report.flops > 0.0 ? 0.25 * report.flops / 1.5e10 / products : 10.0;
-  return (double)n->iterations > fmin(fmax(most, 8.0), 150.0);
+  return (double)n->iterations > fmin(fmax(most, 8.0), 150.0) || n->descents > OLD;
 }
 
 /* K x = right to `share` of |right|, by conjugate gradients from 0; *curved = 1 if a direction of
@@ -143,6 +151,39 @@ static sdr_status find_direction(sdr_newton *n, const double *u, double share, i
   SDR_TRY(sdr_equilibrium_linearise(e, u, 0));
   for (int32_t q = 0; q < e->implicit->free; ++q) n->tried_gradient[q] = -n->gradient[q];
   return iterate(n, n->tried_gradient, share, n->step, curved);
+}
+
+static sdr_status precondition(void *equilibrium, const double *r, double *z)
+{
+  return sdr_equilibrium_precondition(equilibrium, r, z);
+}
+
+/* 1 if steps by pairs may be taken: the factor is of the whole matrix, so that its answers are good
+   directions, and the step may go far. */
+static int may_descend(const sdr_newton *n)
+{
+  const sdr_equilibrium *e = n->e;
+  return !e->careful && !e->pull && e->factored &&
+         strcmp(sdr_solver_report_of(e->solver).name, "pcg") != 0;
+}
+
+/* The next direction, and whether it is one of pairs. `curved_at`: the residual at which a negative
+   curvature was last met; far below it Newton has another chance. */
+static sdr_status next_direction(sdr_newton *n, const double *u, double share, double *curved_at,
+                                 int *by_pairs, sdr_newton_report *report)
+{
+  int curved = 0;
+  *by_pairs = may_descend(n) && report->residual > 0.1 * *curved_at;
+  if (!*by_pairs) {
+    SDR_TRY(find_direction(n, u, share, &curved));
+    report->curved += curved;
+    if (curved) *curved_at = report->residual;
+    *by_pairs = curved && may_descend(n);
+  }
+  if (!*by_pairs) return SDR_OK;
+  ++n->descents;
+  ++report->descents;
+  return sdr_secant_pairs_descend(n->pairs, n->gradient, precondition, n->e, n->step);
 }
 
 /* ---- search ---------------------------------------------------------------------------------- */
@@ -194,24 +235,31 @@ static void take_free(const sdr_implicit *implicit, const double *u, double *q)
 sdr_status sdr_newton_solve(sdr_newton *newton, double *u, sdr_newton_report *report)
 {
   sdr_equilibrium *e = newton->e;
-  double first = 0.0, size;
+  double first = 0.0, curved_at = (double)INFINITY, size;
   double energy = sdr_equilibrium_energy(e, u, &size);
   *report = (sdr_newton_report){0};
-  for (int k = 0; k <= MOST_STEPS; ++k) {
-    int curved;
+  for (int k = 0; k <= MOST_STEPS + report->descents; ++k) {
+    int by_pairs;
     take_free(e->implicit, u, newton->q);
     const double left = sdr_equilibrium_gradient(e, u, newton->gradient);
     if (k == 0) first = left;
+    if (k == 0) sdr_secant_pairs_clear(newton->pairs, e->implicit->free);
+    sdr_secant_pairs_note(newton->pairs, newton->q, newton->gradient);
     report->residual = left;
     report->converged = left <= sdr_equilibrium_tolerance(e);
-    if (report->converged || k == MOST_STEPS || !isfinite(left)) return SDR_OK;
+    if (report->converged || k == MOST_STEPS + report->descents ||
+        report->descents > MOST_DESCENTS || !isfinite(left))
+      return SDR_OK;
     const double share =
         fmin(0.1, fmax(sqrt(left / first) * 0.3, 0.1 * sdr_equilibrium_tolerance(e) / left));
-    SDR_TRY(find_direction(newton, u, fmin(share, 0.3), &curved));
-    report->curved += curved;
+    SDR_TRY(next_direction(newton, u, fmin(share, 0.3), &curved_at, &by_pairs, report));
     ++report->steps;
     ++e->implicit->system->solve.newton;
-    if (!search(newton, u, &energy, &size)) return SDR_OK;
+    if (search(newton, u, &energy, &size)) continue;
+    if (!by_pairs || sdr_secant_pairs_known(newton->pairs) == 0) return SDR_OK;
+    sdr_secant_pairs_clear(newton->pairs, e->implicit->free);
+    SDR_TRY(renew_factor(newton, u));
+    energy = sdr_equilibrium_energy(e, u, &size);
   }
   return SDR_OK;
 }

@@ -10,6 +10,7 @@ typedef struct {
   int converged;   /* 1: the residual is within sdr_equilibrium_tolerance */
   int steps;       /* Newton iterations */
   int curved;      /* of them with negative curvature */
+  int descents;    /* of them by pairs (secant_pairs.h): the answer may be farther than need be */
   double residual; /* N */
 } sdr_newton_report;
 

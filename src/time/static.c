@@ -183,14 +183,12 @@ static sdr_status break_bonds(sdr_static_work *w, int *found)
 /* What was found at `time`. */
 typedef enum { NOTHING, ELSEWHERE, NEXT } finding;
 
-/* The equilibrium at `time` into w->tried: the next to the last one, or one whose energy does not
-   balance the work on the way there. */
-static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *report,
-                          finding *found)
+/* The equilibrium of the present constraints and loads into w->tried. */
+static sdr_status look_for(sdr_static_work *w, int careful, sdr_newton_report *report,
+                           finding *found)
 {
-  int renumbered;
-  SDR_TRY(sdr_implicit_move(w->implicit, time, &renumbered));
-  if (renumbered) sdr_equilibrium_renumber(w->equilibrium);
+  w->equilibrium->careful = careful;
+  if (careful) w->equilibrium->factored = 0; /* a stale one makes steps that go astray */
   SDR_TRY(sdr_newton_predict(w->newton, w->u, w->tried));
   SDR_TRY(w->method->solve(w->state, w->tried, report));
   *found = NOTHING;
@@ -200,6 +198,21 @@ static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *re
       fmax(most_excess * fmax(w->largest, w->reached), most_share * fabs(w->reached - w->energy));
   *found = fabs(w->excess) <= most ? NEXT : ELSEWHERE;
   return SDR_OK;
+}
+
+/* The equilibrium at `time` into w->tried: the next to the last one, or one whose energy does not
+   balance the work on the way there. Fast steps first; where these lead elsewhere, careful ones. */
+static sdr_status attempt(sdr_static_work *w, double time, sdr_newton_report *report,
+                          finding *found)
+{
+  int renumbered;
+  SDR_TRY(sdr_implicit_move(w->implicit, time, &renumbered));
+  if (renumbered) sdr_equilibrium_renumber(w->equilibrium);
+  SDR_TRY(look_for(w, 0, report, found));
+  if (*found == NEXT || report->descents == 0) return SDR_OK;
+  const sdr_status status = look_for(w, 1, report, found);
+  w->equilibrium->careful = 0;
+  return status;
 }
 
 /* ---- increments ------------------------------------------------------------------------------ */

@@ -185,9 +185,10 @@ sdr_status sdr_static_move(sdr_static_work *work, int *rested)
 {
   motion m;
   sdr_status status = motion_create(work, &m);
+  work->equilibrium->careful = 1;
   if (status == SDR_OK) status = run(&m, rested);
   work->equilibrium->pull = work->equilibrium->target = NULL;
-  work->equilibrium->factored = 0;
+  work->equilibrium->factored = work->equilibrium->careful = 0;
   motion_free(&m);
   return status;
 }

@@ -199,6 +199,44 @@ static void a_mean_is_kept_and_pulls_each_of_its_points_alike(void **state)
   check_mean("integrator: leapfrog", 0.0);
 }
 
+/* A mean of all points ties each to every other one; the factor must not be filled by that. Held
+   along x by its mean alone, beside held by a strip on the left, which hinders its contraction a
+   little. */
+static void a_mean_of_the_whole_body_is_kept_at_the_cost_of_none(void **state)
+{
+  (void)state;
+  static const char *const holds[] = {"  - {on: plate, mean: true, displacement: {x: 0}}\n",
+                                      "  - {on: left, depth: 4 mm, displacement: {x: 0}}\n"};
+  double bytes[2], energy[2], newton[2];
+  for (int k = 0; k < 2; ++k) {
+    sdr_built run;
+    sdr_energies energies;
+    scene_build(&run,
+                HEAD
+                "points: {shape: {box: {from: [0, 0], to: [60 mm, 40 mm]}}, spacing: 2 mm, align: "
+                "cell}\n" CONCRETE "damage: {law: variational}\n"
+                "regions: {plate: {box: {from: [0, 0], to: [60 mm, 40 mm]}}}\n"
+                "supports:\n"
+                "  - {on: plate.bottom, depth: 6 mm, displacement: {y: 0}}\n"
+                "  - {on: plate.top, depth: 6 mm, displacement: {y: 6 um*t/(1 s)}}\n"
+                "%s"
+                "time: {integrator: static, linear: false, end: 1 s, step: 250 ms}\n",
+                holds[k]);
+    run_start(&run);
+    while (run.system->time < 1.0 - 1e-12) run_step(&run);
+    run.model->ops->energies(run.model, run.system->u, &energies);
+    energy[k] = energies.stored + energies.dissipated;
+    bytes[k] = run.system->solve.bytes;
+    newton[k] = (double)run.system->solve.newton;
+    if (k == 0) assert_near(sdr_system_mean(run.system, 0, run.system->u), 0.0, 1e-15);
+    sdr_built_destroy(&run);
+  }
+  assert_true(energy[0] < energy[1]); /* it may contract on both sides */
+  assert_true(energy[0] > 0.9 * energy[1]);
+  assert_true(bytes[0] < 1.3 * bytes[1]);
+  assert_true(newton[0] < 1.5 * newton[1] + 4.0);
+}
+
 /* ---- no answer nearby ------------------------------------------------------------------------ */
 
 /* A support lets go: the body swings, damped, to where it is at rest. */
@@ -286,6 +324,7 @@ int main(void)
       cmocka_unit_test(critical_stretch_breaks_the_most_overstretched_first),
       cmocka_unit_test(state_based_strips_break_by_stretch_too),
       cmocka_unit_test(a_mean_is_kept_and_pulls_each_of_its_points_alike),
+      cmocka_unit_test(a_mean_of_the_whole_body_is_kept_at_the_cost_of_none),
       cmocka_unit_test(moving_mirrors_do_the_work_that_the_body_stores),
       cmocka_unit_test(motion_takes_the_body_where_statics_cannot),
       cmocka_unit_test(a_load_that_nothing_carries_stops_the_run),
