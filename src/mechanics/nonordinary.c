@@ -4,6 +4,7 @@
 #include "mechanics/bond_internal.h"
 #include "mechanics/isa.h"
 #include "mechanics/nonordinary_internal.h"
+#include "mechanics/records.h"
 
 #include <math.h>
 #include <string.h>
@@ -59,8 +60,25 @@ static void loose_of_stripe(void *context, int s)
                                                     call->f);
 }
 
+static void places_of_stripe(void *context, int s)
+{
+  const sdr_nonordinary_call *call = context;
+  const sdr_points *points = call->body.points;
+  for (int32_t i = points->stripe_first[s]; i < points->stripe_first[s + 1]; ++i)
+    for (int a = 0; a < points->components; ++a)
+      call->body.places[(size_t)i * SDR_RECORD + (size_t)a] = call->u[a][i];
+}
+
+/* Put displacements where kernels of loose pairs look for them. */
+static void place(sdr_nonordinary_call *call)
+{
+  if (call->body.places)
+    sdr_parallel_for(0, call->body.points->stripe_count, 1, places_of_stripe, call);
+}
+
 static void all_states(sdr_nonordinary_call *call)
 {
+  place(call);
   sdr_parallel_for(0, call->body.points->stripe_count, 1, states_of_stripe, call);
 }
 
@@ -75,6 +93,7 @@ static void all_forces(sdr_nonordinary_call *call)
     const int needed = 3 + blocks_of(points, s).beyond;
     if (needed > apart) apart = needed;
   }
+  place(call);
   sdr_parallel_for(0, stripes, 1, zero_stripe, call);
   for (int colour = 0; colour < apart; ++colour)
     sdr_parallel_for(colour, stripes, apart, states_of_stripe, call);
@@ -208,14 +227,14 @@ static void destroy(sdr_model *model)
   for (int k = 0; k < 15; ++k) sdr_free(own->body.quartic[k]);
   for (int k = 0; k < 9; ++k) {
     sdr_free(own->body.gradient[k]);
-    sdr_free(own->body.bearing[k]);
+    sdr_free(own->body.moment[k]);
   }
   void *const blocks[] = {own->body.shear,
                           own->body.normal,
                           own->body.square,
                           own->body.along,
-                          own->body.soft,
-                          own->body.stiff,
+                          own->body.places,
+                          own->body.bearings,
                           own->lambda,
                           own->mu,
                           own->body.blocks,
@@ -285,23 +304,12 @@ static sdr_status alloc_all(sdr_nonordinary_model *model)
   const sdr_bonds *bonds = model->state.bonds;
   const int n = model->state.head.points->components;
   const size_t padded = sdr_points_padded(model->state.head.points);
-  double **const single[] = {&body->shear,
-                             &body->normal,
-                             &body->square,
-                             &body->along,
-                             &body->soft,
-                             &body->stiff,
-                             &model->lambda,
-                             &model->mu,
-                             &model->control_shear,
-                             &model->control_normal,
-                             &model->reference_lambda,
-                             &model->reference_mu,
-                             &model->limit,
-                             &model->whole,
-                             &model->least,
-                             &model->whole_lambda,
-                             &model->whole_mu};
+  double **const single[] = {
+      &body->shear,          &body->normal,          &body->square,
+      &body->along,          &model->lambda,         &model->mu,
+      &model->control_shear, &model->control_normal, &model->reference_lambda,
+      &model->reference_mu,  &model->limit,          &model->whole,
+      &model->least,         &model->whole_lambda,   &model->whole_mu};
   int failed = 0;
   for (size_t k = 0; k < sizeof single / sizeof *single; ++k)
     failed |= !(*single[k] = sdr_alloc(padded, sizeof(double)));
@@ -311,7 +319,12 @@ static sdr_status alloc_all(sdr_nonordinary_model *model)
     failed |= !(body->quartic[k] = sdr_alloc(padded, sizeof(double)));
   for (int k = 0; k < n * n; ++k) {
     failed |= !(body->gradient[k] = sdr_alloc(padded, sizeof(double)));
-    failed |= !(body->bearing[k] = sdr_alloc(padded, sizeof(double)));
+    failed |= !(body->moment[k] = sdr_alloc(padded, sizeof(double)));
+  }
+  const size_t bearings = (size_t)sdr_bearing_size(n, model->elasticity != SDR_LINEAR);
+  if (bonds->loose.chunk_count > 0) {
+    failed |= !(body->places = sdr_alloc(SDR_RECORD * padded, sizeof(double)));
+    failed |= !(body->bearings = sdr_alloc(bearings * padded, sizeof(double)));
   }
   failed |= !(model->found = sdr_alloc((size_t)bonds->run_count, 1));
   failed |= !(model->found_loose = sdr_alloc((size_t)bonds->loose.chunk_count, 1));

@@ -59,11 +59,12 @@ typedef struct {
   const uint8_t *run_flagged;
   int loose_flagged;
 
-  /* Of the state pass; stored for loose pairs only, but gradient of energies always.
-     What bears on bonds, n x n: T = W (A xi + soft eta + ...). */
-  double *bearing[9];
-  double *gradient[9];    /* finite: G = F - I; linear: stiff sym G, without stiff after energies */
-  double *soft, *stiff;   /* control times (1-d)^2 */
+  /* What loose pairs read of points (NULL: there are none), side by side a point: displacements;
+     and what the state pass makes of a point and bears on its bonds, by sdr_bearing_size. */
+  double *places, *bearings;
+
+  double *gradient[9];    /* after energies: G = F - I (finite) or sym G (linear), n x n */
+  double *moment[9];      /* scratch of families */
   double *plus, *minus;   /* J/m^3 */
   double *square, *along; /* sum W |z|^2 and W (z.n)^2; of points whose energy is booked */
 } sdr_nonordinary_body;
@@ -99,6 +100,14 @@ extern const sdr_nonordinary_kernels sdr_nonordinary_kernels_baseline;
 #ifdef SDR_HAVE_X86_KERNELS
 extern const sdr_nonordinary_kernels sdr_nonordinary_kernels_avx2, sdr_nonordinary_kernels_avx512;
 #endif
+
+/* Numbers that one record of `bearings` has, filled up to whole SDR_RECORDs: u, soft, stiff, A,
+   then G (finite) or the upper half of stiff sym G (linear): T = W (A xi + soft eta + ...). */
+static inline int sdr_bearing_size(int n, int finite)
+{
+  const int entries = finite ? n * n : n * (n + 1) / 2;
+  return (n + 2 + n * n + entries + 3) / 4 * 4;
+}
 
 /* Index of a product of four coordinates in the order of sdr_quartic. */
 static inline int sdr_quartic_index(int n, int a, int b, int c, int d)

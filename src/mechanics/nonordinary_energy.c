@@ -25,7 +25,7 @@ static void load_normal(int n, const sdr_nonordinary_body *body, int64_t i, cons
   int k = 0;
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n; ++b) {
-      const double value = k < (n == 1 ? 0 : n == 2 ? 2 : 5) ? body->bearing[k][i] : last;
+      const double value = k < (n == 1 ? 0 : n == 2 ? 2 : 5) ? body->moment[k][i] : last;
       ++k;
       q[n * a + b] = q[n * b + a] = value;
       if (a == b) last -= value;

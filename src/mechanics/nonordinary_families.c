@@ -165,8 +165,6 @@ static int invert(sdr_nonordinary_model *model, int32_t i)
   const double volume = share > 0.0 ? points->volume[i] / model->whole[i] : 0.0;
   model->body.shear[i] = volume * model->control_shear[i];
   model->body.normal[i] = volume * model->control_normal[i];
-  model->body.soft[i] = model->body.shear[i];
-  model->body.stiff[i] = model->body.normal[i];
   /* where K has no inverse there is no strain, and laws want moduli above 0 */
   soften(model, i, share > 0.0 ? share * share : 1.0);
   return share > 0.0 || !(trace_of(n, k) > 0.0);
@@ -272,7 +270,7 @@ static void gather_point(const sdr_nonordinary_model *model, int32_t i, const sd
   }
   for (int a = 0; a < n; ++a)
     for (int b = a; b < n && a < n - 1; ++b)
-      body->bearing[kept++][i] += w * along * pair->xi[a] * pair->xi[b] / pair->length;
+      body->moment[kept++][i] += w * along * pair->xi[a] * pair->xi[b] / pair->length;
   body->along[i] += w * along * along;
 }
 
@@ -336,7 +334,7 @@ static void family_fresh(void *context, int s)
 static void clear_sums(const sdr_nonordinary_model *model, int32_t i)
 {
   const int n = model->state.head.points->components;
-  for (int k = 0; k < n * n; ++k) model->body.gradient[k][i] = model->body.bearing[k][i] = 0.0;
+  for (int k = 0; k < n * n; ++k) model->body.gradient[k][i] = model->body.moment[k][i] = 0.0;
   model->body.square[i] = model->body.along[i] = 0.0;
 }
 

@@ -55,15 +55,17 @@ SDR_INLINE void find_chunks(const int n, const sdr_nonordinary_body *body, int64
       for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
         const int64_t i = chunk * SDR_LANES + lane;
         sdr_loose_lanes p;
-        loose_lanes(n, body, i, at + lane, u, &p);
-        sdr_lanes z = all_lanes(0.0);
+        sdr_lanes z = all_lanes(0.0), other[3] = {z, z, z};
+        const int32_t *const j = body->bonds->loose.j + at + lane;
+        for (int a = 0; a < n; ++a) other[a] = gather_lanes(u[a], j);
+        loose_lanes_of(n, body, i, at + lane, u, other, &p);
         for (int a = 0; a < n; ++a) z += (2.0 * p.xi[a] + p.eta[a]) * p.eta[a];
         z *= p.by_square;
-        for (int l = 0; l < SDR_WIDTH; ++l) {
-          const sdr_flags flags = body->loose_flags[at + lane + l];
-          any |= !(flags & (SDR_LOST_I | SDR_PROTECTED)) && z[l] > limit[i + l];
-          any |= !(flags & (SDR_LOST_J | SDR_PROTECTED)) && z[l] > limit[p.j[l]];
-        }
+        const sdr_lanes_int flags = load_ints(body->loose_flags + at + lane);
+        const sdr_lanes_int far_i = ints_of(z > load_lanes(limit + i));
+        const sdr_lanes_int far_j = ints_of(z > gather_lanes(limit, j));
+        any |= any_ints((far_i & ((flags & (SDR_LOST_I | SDR_PROTECTED)) == 0)) |
+                        (far_j & ((flags & (SDR_LOST_J | SDR_PROTECTED)) == 0)));
       }
     found[chunk] = (uint8_t)any;
   }

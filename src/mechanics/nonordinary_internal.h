@@ -54,7 +54,7 @@ typedef struct {
 /* The blocks of the body, from its runs. */
 sdr_status sdr_nonordinary_bundles(sdr_nonordinary_model *model);
 
-/* plus and minus of point i, not split, from the sums M in gradient, Q in bearing (linear; the kept
+/* plus and minus of point i, not split, from the sums M in gradient, Q in moment (linear; the kept
    values) and those in square and along of W |eta|^2 and W (eta.n)^2, or of z (finite, with G in
    gradient). */
 void sdr_nonordinary_energy(const sdr_nonordinary_model *model, int32_t i);

@@ -14,6 +14,7 @@
 
 #include "mechanics/lanes.h"
 #include "mechanics/nonordinary_body.h"
+#include "mechanics/records.h"
 
 /* Sums of pass A: M = sum W eta (x) xi, Q = sum W (eta.n) n (x) xi (upper half without its last
    value, which the trace of M gives), sum W |eta|^2 and sum W (eta.n)^2. Of pass A2: S, and the
@@ -98,25 +99,42 @@ typedef struct {
   sdr_lanes xi[3], eta[3], by_square, wi, wj;
 } sdr_loose_lanes;
 
-SDR_INLINE void loose_lanes(const int n, const sdr_nonordinary_body *body, int64_t i, int64_t slot,
-                            double *const u[3], sdr_loose_lanes *to)
+/* `other`: displacements of the neighbours. */
+SDR_INLINE void loose_lanes_of(const int n, const sdr_nonordinary_body *body, int64_t i,
+                               int64_t slot, double *const u[3], const sdr_lanes *other,
+                               sdr_loose_lanes *to)
 {
   const sdr_loose *loose = &body->bonds->loose;
   sdr_lanes square = all_lanes(0.0);
   to->j = loose->j + slot;
-  to->wi = load_lanes(loose->weight_ij + slot);
-  to->wj = load_lanes(loose->weight_ji + slot);
+  if (loose->shared_weight != 0.0) { /* padding is its own neighbour */
+    const sdr_lanes_int alone = load_ints(to->j) == load_ints(loose->point + i);
+    to->wi = to->wj =
+        where_set(bits_of_ints(alone), all_lanes(0.0), all_lanes(loose->shared_weight));
+  } else {
+    to->wi = load_lanes(loose->weight_ij + slot);
+    to->wj = load_lanes(loose->weight_ji + slot);
+  }
   for (int a = 0; a < n; ++a) {
     to->xi[a] = load_lanes(loose->xi[a] + slot);
-    to->eta[a] = gather_lanes(u[a], to->j) - load_lanes(u[a] + i);
+    to->eta[a] = other[a] - load_lanes(u[a] + i);
     square = fma_lanes(to->xi[a], to->xi[a], square);
   }
   to->by_square = all_lanes(1.0) / square;
-  for (int l = 0; body->loose_flagged && l < SDR_WIDTH; ++l) {
-    const sdr_flags flags = body->loose_flags[slot + l];
-    if (flags & SDR_LOST_I) to->wi[l] = 0.0;
-    if (flags & SDR_LOST_J) to->wj[l] = 0.0;
-  }
+  if (!body->loose_flagged) return;
+  const sdr_lanes_int flags = load_ints(body->loose_flags + slot);
+  if (!any_ints(flags)) return;
+  const sdr_lanes zero = all_lanes(0.0);
+  to->wi = where_set(bits_of_ints((flags & SDR_LOST_I) != 0), zero, to->wi);
+  to->wj = where_set(bits_of_ints((flags & SDR_LOST_J) != 0), zero, to->wj);
+}
+
+SDR_INLINE void loose_lanes(const int n, const sdr_nonordinary_body *body, int64_t i, int64_t slot,
+                            double *const u[3], sdr_loose_lanes *to)
+{
+  sdr_lanes other[SDR_RECORD];
+  record_lanes(body->places, SDR_RECORD, body->bonds->loose.j + slot, other);
+  loose_lanes_of(n, body, i, slot, u, other, to);
 }
 
 /* DO(slot) for the columns of the lanes' block. */
@@ -414,27 +432,34 @@ SDR_INLINE void spread(const int n, const int finite, const sdr_lanes_points *at
   for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, load_lanes(f[a] + at->i) + force[a]);
 }
 
+/* Numbers of a record of bearings, in its order. */
+SDR_INLINE void bearing_lanes(const int n, const int finite, const sdr_nonordinary_body *body,
+                              const int32_t *j, sdr_lanes out[24])
+{
+  const int size = sdr_bearing_size(n, finite);
+  for (int k = 0; k < size; k += SDR_RECORD) record_lanes(body->bearings + k, size, j, out + k);
+}
+
 SDR_INLINE void force_of_column(const int n, const int finite, const sdr_lanes_points *at,
-                                const sdr_bearing *own, int64_t slot, sdr_lanes *force)
+                                const sdr_lanes *own, int64_t slot, sdr_lanes *force)
 {
   const sdr_nonordinary_body *const body = at->body;
+  const int soft = n, stiff = n + 1, first_a = n + 2, first_g = n + 2 + n * n;
+  const int entries = finite ? n * n : n * (n + 1) / 2;
   sdr_loose_lanes p;
-  sdr_lanes g[9];
+  sdr_lanes other[24];
   sdr_bearing_sum sum;
-  int entry[9];
-  const int entries = gradient_entries(n, finite, entry);
-  loose_lanes(n, body, at->i, slot, at->u, &p);
+  bearing_lanes(n, finite, body, body->bonds->loose.j + slot, other);
+  loose_lanes_of(n, body, at->i, slot, at->u, other, &p);
   for (int e = 0; e < n * n; ++e)
-    sum.a[e] = fma_lanes(p.wi, own->a[e], p.wj * gather_lanes(body->bearing[e], p.j));
-  for (int e = 0; e < entries; ++e) {
-    g[e] = gather_lanes(body->gradient[entry[e]], p.j);
-    if (!finite) sum.g[e] = fma_lanes(p.wi, own->g[entry[e]], p.wj * g[e]);
-  }
-  const sdr_lanes ci = p.wi * own->stiff, cj = p.wj * gather_lanes(body->stiff, p.j);
-  sum.soft = fma_lanes(p.wi, own->soft, p.wj * gather_lanes(body->soft, p.j));
+    sum.a[e] = fma_lanes(p.wi, own[first_a + e], p.wj * other[first_a + e]);
+  for (int e = 0; !finite && e < entries; ++e)
+    sum.g[e] = fma_lanes(p.wi, own[first_g + e], p.wj * other[first_g + e]);
+  const sdr_lanes ci = p.wi * own[stiff], cj = p.wj * other[stiff];
+  sum.soft = fma_lanes(p.wi, own[soft], p.wj * other[soft]);
   sum.stiff = ci + cj;
   add_linear_force(n, finite, &sum, &p, force);
-  if (finite) add_normal_force(n, own->g, g, p.xi, p.eta, ci, cj, force);
+  if (finite) add_normal_force(n, own + first_g, other + first_g, p.xi, p.eta, ci, cj, force);
 }
 
 /* Forces of loose pairs, by what both ends bear. */
@@ -442,13 +467,10 @@ SDR_INLINE void force_of_lanes(const int n, const int finite, const sdr_lanes_po
                                double *const f[3])
 {
   const sdr_nonordinary_body *const body = at->body;
-  sdr_bearing own;
+  sdr_lanes own[24];
   sdr_lanes force[3] = {all_lanes(0.0), all_lanes(0.0), all_lanes(0.0)};
-  load_all(n * n, body->bearing, at->i, own.a);
-  load_all(n * n, body->gradient, at->i, own.g);
-  own.soft = load_lanes(body->soft + at->i);
-  own.stiff = load_lanes(body->stiff + at->i);
-#define SDR_DO(slot) force_of_column(n, finite, at, &own, slot, force);
+  bearing_lanes(n, finite, body, body->bonds->loose.point + at->i, own); /* in order */
+#define SDR_DO(slot) force_of_column(n, finite, at, own, slot, force);
   SDR_ALL_COLUMNS(SDR_DO)
 #undef SDR_DO
   for (int a = 0; a < n; ++a) store_lanes(f[a] + at->i, load_lanes(f[a] + at->i) + force[a]);

@@ -5,12 +5,8 @@
 #define SDR_MECHANICS_NONORDINARY_POINT_H
 
 #include "mechanics/nonordinary_loop.h"
+#include "mechanics/nonordinary_neo.h"
 #include "mechanics/stress.h"
-
-/* sdr_point_stress of the lanes; p_minus only where energies are split. */
-typedef struct {
-  sdr_lanes plus, minus, p_plus[9], p_minus[9];
-} sdr_lanes_stress;
 
 /* Passes A and A2 of points. */
 typedef void (*sdr_lanes_gather)(const sdr_lanes_points *at, sdr_lanes_sums *out);
@@ -111,7 +107,7 @@ SDR_INLINE void strain_law(const int n, const int finite, const int split,
   if (split != SDR_SPLIT_WHOLE) lanes_piola(n, g, out->p_minus);
 }
 
-/* What has branches or logarithms: lane by lane. */
+/* What looks for principal values: lane by lane. */
 SDR_INLINE void law_by_lane(const int n, const int elasticity, const int split,
                             const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
                             sdr_lanes_stress *out)
@@ -135,10 +131,12 @@ SDR_INLINE void law_of_lanes(const int n, const int elasticity, const int split,
                              const sdr_nonordinary_body *body, int64_t i, const sdr_lanes *g,
                              sdr_lanes_stress *out)
 {
-  if (elasticity != SDR_NEO_HOOKEAN && split != SDR_SPLIT_SPECTRAL)
-    strain_law(n, elasticity != SDR_LINEAR, split, body, i, g, out);
-  else
+  if (split == SDR_SPLIT_SPECTRAL)
     law_by_lane(n, elasticity, split, body, i, g, out);
+  else if (elasticity == SDR_NEO_HOOKEAN)
+    neo_hookean_lanes(n, split, body, i, g, out);
+  else
+    strain_law(n, elasticity != SDR_LINEAR, split, body, i, g, out);
 }
 
 /* ---- states ---------------------------------------------------------------------------------- */
@@ -197,15 +195,23 @@ SDR_INLINE void bearing_of(const int n, const int finite, const sdr_nonordinary_
 }
 
 /* For loose pairs. */
-SDR_INLINE void store_bearing(const int n, const sdr_nonordinary_body *body, int64_t i,
+SDR_INLINE void store_bearing(const int n, const int finite, const sdr_lanes_points *at,
                               const sdr_bearing *bearing)
 {
-  for (int k = 0; k < n * n; ++k) {
-    store_lanes(body->bearing[k] + i, bearing->a[k]);
-    store_lanes(body->gradient[k] + i, bearing->g[k]);
+  const int size = sdr_bearing_size(n, finite);
+  double row[24][SDR_WIDTH] = {{0.0}};
+  int entry[9], k = 0;
+  const int entries = gradient_entries(n, finite, entry);
+  for (int a = 0; a < n; ++a, ++k)
+    if (at->u) store_lanes(row[k], load_lanes(at->u[a] + at->i));
+  store_lanes(row[k++], bearing->soft);
+  store_lanes(row[k++], bearing->stiff);
+  for (int e = 0; e < n * n; ++e) store_lanes(row[k++], bearing->a[e]);
+  for (int e = 0; e < entries; ++e) store_lanes(row[k++], bearing->g[entry[e]]);
+  for (int l = 0; l < SDR_WIDTH; ++l) {
+    double *const to = at->body->bearings + (at->i + l) * size;
+    for (k = 0; k < size; ++k) to[k] = row[k][l];
   }
-  store_lanes(body->soft + i, bearing->soft);
-  store_lanes(body->stiff + i, bearing->stiff);
 }
 
 /* psi+ and the control energy. */
@@ -272,7 +278,7 @@ SDR_INLINE void state_of(const int n, const int finite, const int task, sdr_lane
   law(at->body, at->i, state.g, &stress);
   finish_state(n, finite, task, at->body, at->i, &state, &stress, &bearing);
   if (task == SDR_POINT_ENERGY) return;
-  if (at->body->bonds->loose.chunk_count > 0) store_bearing(n, at->body, at->i, &bearing);
+  if (at->body->bonds->loose.chunk_count > 0) store_bearing(n, finite, at, &bearing);
   if (at->u && f) spread_all(at, &bearing, f);
 }
 
