@@ -28,14 +28,14 @@ SDR_INLINE SDR_REAL SDR_NAMED(force_factor)(SDR_REAL z, SDR_REAL r)
 }
 
 /* Stiffness that a pair has left: `soft` under tension, `whole` else. */
-SDR_INLINE SDR_REAL SDR_NAMED(stiffness_left)(const int marked, SDR_REAL z, float k, SDR_REAL soft,
-                                              SDR_REAL whole)
+SDR_INLINE SDR_REAL SDR_NAMED(stiffness_left)(const int marked, SDR_REAL z, SDR_REAL k,
+                                              SDR_REAL soft, SDR_REAL whole)
 {
   const SDR_REAL zero = (SDR_REAL)0;
   SDR_REAL left = z > zero ? soft : whole;
   if (marked) {
-    left = k == SDR_STRETCH_PROTECTED ? whole : left;
-    left = k == SDR_STRETCH_CUT ? zero : left;
+    left = k == (SDR_REAL)SDR_STRETCH_PROTECTED ? whole : left;
+    left = k == (SDR_REAL)SDR_STRETCH_CUT ? zero : left;
   }
   return left;
 }
@@ -43,16 +43,16 @@ SDR_INLINE SDR_REAL SDR_NAMED(stiffness_left)(const int marked, SDR_REAL z, floa
 /* Stiffness times force factor of a pair of the variational law: the divisions by r (1 + r), by
    k^2 + q_i and by k^2 + q_j are one. */
 SDR_INLINE SDR_REAL SDR_NAMED(variational_factor)(const int each, const int marked, SDR_REAL z,
-                                                  SDR_REAL r, float k, SDR_REAL ci, SDR_REAL qi,
-                                                  SDR_REAL cj, SDR_REAL qj)
+                                                  SDR_REAL r, SDR_REAL kept, SDR_REAL ci,
+                                                  SDR_REAL qi, SDR_REAL cj, SDR_REAL qj)
 {
-  const SDR_REAL one = (SDR_REAL)1, kept = (SDR_REAL)k;
+  const SDR_REAL one = (SDR_REAL)1;
   const SDR_REAL a = SDR_FMA(kept, kept, qi), b = each ? SDR_FMA(kept, kept, qj) : one;
   const SDR_REAL ab = a * b, rr = r * (one + r);
   const SDR_REAL all = one / (rr * ab), by_r = ab * all, by_ab = rr * all;
   const SDR_REAL intact_i = qi * b * by_ab, intact_j = each ? qj * a * by_ab : intact_i;
   const SDR_REAL soft = SDR_FMA(ci, intact_i * intact_i, cj * (intact_j * intact_j));
-  return SDR_NAMED(stiffness_left)(marked, z, k, soft, ci + cj) * (z * by_r);
+  return SDR_NAMED(stiffness_left)(marked, z, kept, soft, ci + cj) * (z * by_r);
 }
 
 /* The history that a stretch leaves behind. */
@@ -65,16 +65,13 @@ SDR_INLINE float SDR_NAMED(grown_stretch)(const int marked, float before, SDR_RE
 }
 
 /* Lost halves after the stretch s, fresh ones marked. */
-SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(const int marked, sdr_flags before, SDR_REAL s,
-                                            SDR_REAL qi, SDR_REAL qj)
+SDR_INLINE sdr_flags SDR_NAMED(grown_flags)(sdr_flags before, SDR_REAL s, SDR_REAL qi, SDR_REAL qj)
 {
   const SDR_REAL zero = (SDR_REAL)0, square = s * s;
   const sdr_flags broken =
       (s > zero && square > qi ? SDR_LOST_I : 0) | (s > zero && square > qj ? SDR_LOST_J : 0);
   const sdr_flags fresh = broken & ~before;
-  const sdr_flags grown = before | fresh | fresh << 2;
-  if (marked) return before & SDR_PROTECTED ? before : grown;
-  return grown;
+  return before & SDR_PROTECTED ? before : before | fresh | fresh << 2;
 }
 
 /* How much further the end of pair k of a block moved than its start. */
@@ -108,40 +105,27 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_elongation)(const int components,
   return SDR_NAMED(elongation)(components, of, SDR_NAMED(pair_motion)(components, block, k));
 }
 
-/* Stiffness times force factor of pair k of a block, whose history takes the stretch in; laws with
-   a history. */
-SDR_INLINE SDR_REAL SDR_NAMED(pair_factor)(const int law, const int each, const int marked,
-                                           const sdr_bond_body *body,
-                                           const SDR_NAMED(sdr_terms) * of, const sdr_block *block,
-                                           int k, SDR_REAL z)
+/* Stiffness times force factor of pair k of a block, whose history is `kept`: laws that soften. */
+SDR_INLINE SDR_REAL SDR_NAMED(softened_factor)(const int law, const int each, const int marked,
+                                               const sdr_bond_body *body,
+                                               const SDR_NAMED(sdr_terms) * of,
+                                               const sdr_block *block, int k, SDR_REAL z,
+                                               SDR_REAL r, SDR_REAL kept)
 {
   const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
   const SDR_REAL ci = of->wij * (each ? block->SDR_NAMED(ci)[k] : c);
   const SDR_REAL cj = of->wji * (each ? block->SDR_NAMED(cj)[k] : c);
   const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
   const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
-  const SDR_REAL zero = (SDR_REAL)0;
-  const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
-  if (law == SDR_LAW_VARIATIONAL) {
-    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
-    block->new_stretch[k] = grown;
-    return SDR_NAMED(variational_factor)(each, marked, z, t.r, grown, ci, qi, cj, qj);
-  }
-  if (sdr_law_softens(law)) { /* these have one form for all kinds of number */
-    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], t.s);
-    const double kept = grown > 0.0f ? (double)grown : 0.0;
-    block->new_stretch[k] = grown;
-    const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, kept).left;
-    const SDR_REAL soft_j =
-        each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, kept).left : soft_i;
-    const SDR_REAL soft = SDR_FMA(ci, soft_i, cj * soft_j);
-    return SDR_NAMED(stiffness_left)(marked, z, grown, soft, ci + cj) *
-           SDR_NAMED(force_factor)(z, t.r);
-  }
-  const sdr_flags grown = SDR_NAMED(grown_flags)(marked, block->flags[k], t.s, qi, qj);
-  block->new_flags[k] = grown;
-  return ((grown & SDR_LOST_I ? zero : ci) + (grown & SDR_LOST_J ? zero : cj)) *
-         SDR_NAMED(force_factor)(z, t.r);
+  if (law == SDR_LAW_VARIATIONAL)
+    return SDR_NAMED(variational_factor)(each, marked, z, r, kept, ci, qi, cj, qj);
+  /* the others have one form for all kinds of number */
+  const double grown = kept > (SDR_REAL)0 ? (double)kept : 0.0;
+  const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, grown).left;
+  const SDR_REAL soft_j =
+      each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, grown).left : soft_i;
+  const SDR_REAL soft = SDR_FMA(ci, soft_i, cj * soft_j);
+  return SDR_NAMED(stiffness_left)(marked, z, kept, soft, ci + cj) * SDR_NAMED(force_factor)(z, r);
 }
 
 /* Pairs of a block and those after them up to a whole vector: what is computed for the latter is
@@ -174,7 +158,7 @@ SDR_INLINE void SDR_NAMED(read_flags)(const sdr_block *block, SDR_NAMED(sdr_left
 {
   const SDR_REAL zero = (SDR_REAL)0, one = (SDR_REAL)1, limit = (SDR_REAL)block->limit;
   const sdr_flags both = SDR_LOST_I | SDR_LOST_J;
-  const int n = (block->count + 15) / 16 * 16; /* slots fill whole lines */
+  const int n = whole_lines(block);
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
     const sdr_flags flags = block->flags[k];
@@ -199,12 +183,12 @@ SDR_INLINE SDR_REAL SDR_NAMED(beyond_behind)(const int components, const int fla
   return beyond;
 }
 
-/* Forces of a block's present bonds into F; `flagged`: flags say which they are. In one loop, since
-   no history is written. `watched`: 1 if a bond may be stretched so far that it breaks: the law
-   must be asked, and F is void. */
+/* Forces of a block's present bonds into F; `flagged`: `left` says which they are. In one loop,
+   since no history is written. `watched`: 1 if a bond may be stretched so far that it breaks: the
+   law must be asked, and F is void. */
 SDR_INLINE int SDR_NAMED(force_of_present)(const int components, const int each, const int flagged,
                                            const int watched, const sdr_bond_body *body,
-                                           const sdr_block *block, SDR_NAMED(sdr_left) * left,
+                                           const sdr_block *block, const SDR_NAMED(sdr_left) * left,
                                            SDR_WHOLE *const F[3])
 {
   const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
@@ -213,7 +197,6 @@ SDR_INLINE int SDR_NAMED(force_of_present)(const int components, const int each,
   const int n = SDR_NAMED(whole_vectors)(block);
   SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
   SDR_REAL beyond = zero; /* pairs, those behind the last one too */
-  if (flagged) SDR_NAMED(read_flags)(block, left);
 #pragma omp simd reduction(+ : beyond)
   for (int k = 0; k < n; ++k) {
     const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
@@ -232,58 +215,99 @@ SDR_INLINE int SDR_NAMED(force_of_present)(const int components, const int each,
          beyond > SDR_NAMED(beyond_behind)(components, flagged, &of, block, n, left);
 }
 
-/* Forces of a block into F, while its history takes the stretches in. In three loops: the way from
-   displacement to force is so long that in one loop a processor would not see enough pairs at once
-   to keep busy. */
-SDR_INLINE void SDR_NAMED(force_of_ageing)(const int components, const int law, const int each,
-                                           const int marked, const sdr_bond_body *body,
-                                           const sdr_block *block, SDR_WHOLE *const F[3])
+/* A block's flags take the stretches in; what they leave goes to `left`. */
+SDR_INLINE void SDR_NAMED(break_block)(const int components, const int each,
+                                       const sdr_bond_body *body, const sdr_block *block,
+                                       SDR_NAMED(sdr_left) * left)
 {
   const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
-  const int n = SDR_NAMED(whole_vectors)(block);
-  SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
-  _Alignas(64) SDR_REAL Z[SDR_BLOCK], P[SDR_BLOCK], Y[3][SDR_BLOCK];
+  const SDR_REAL zero = (SDR_REAL)0, one = (SDR_REAL)1, q = (SDR_REAL)body->threshold;
+  const int n = whole_lines(block);
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
-    const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
-    Z[k] = SDR_NAMED(elongation)(components, &of, e);
-    Y[0][k] = of.xi[0] + e.x;
-    if (components > 1) Y[1][k] = of.xi[1] + e.y;
-    if (components > 2) Y[2][k] = of.xi[2] + e.z;
-  }
-#pragma omp simd
-  for (int k = 0; k < n; ++k)
-    P[k] = SDR_MEND(of, SDR_NAMED(pair_factor)(law, each, marked, body, &of, block, k, Z[k]));
-#pragma omp simd
-  for (int k = 0; k < n; ++k) {
-    fx[k] = (SDR_WHOLE)(P[k] * Y[0][k]);
-    if (components > 1) fy[k] = (SDR_WHOLE)(P[k] * Y[1][k]);
-    if (components > 2) fz[k] = (SDR_WHOLE)(P[k] * Y[2][k]);
+    const SDR_REAL z = SDR_NAMED(pair_elongation)(components, &of, block, k);
+    const SDR_REAL s = SDR_NAMED(stretch_of)(z).s;
+    const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
+    const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
+    const sdr_flags grown = SDR_NAMED(grown_flags)(block->flags[k], s, qi, qj);
+    block->new_flags[k] = grown;
+    left->i[k] = grown & SDR_LOST_I ? zero : one;
+    left->j[k] = grown & SDR_LOST_J ? zero : one;
   }
 }
 
-/* Forces of a block of run r into F. Of critical stretch only blocks in which something may break
-   have their flags written. */
+/* Forces of a block of run r into F: no law, or critical stretch, of which only blocks in which
+   something may break have their flags written. */
 SDR_INLINE void SDR_NAMED(force_of_block)(const int components, const int law, const int each,
                                           const sdr_bond_body *body, int64_t r,
                                           const sdr_block *block, SDR_NAMED(sdr_left) * left,
                                           SDR_WHOLE *const F[3])
 {
   const int critical = law == SDR_LAW_CRITICAL_STRETCH;
-  const int marked = critical ? body->run_flagged[r] : body->run_marked && body->run_marked[r];
-  if (sdr_law_softens(law)) {
-    if (marked)
-      SDR_NAMED(force_of_ageing)(components, law, each, 1, body, block, F);
-    else
-      SDR_NAMED(force_of_ageing)(components, law, each, 0, body, block, F);
-    return;
-  }
+  const int flagged = critical ? body->run_flagged[r] : body->run_marked && body->run_marked[r];
+  if (flagged) SDR_NAMED(read_flags)(block, left);
   const int may_break =
-      marked ? SDR_NAMED(force_of_present)(components, each, 1, critical, body, block, left, F)
-             : SDR_NAMED(force_of_present)(components, each, 0, critical, body, block, left, F);
+      flagged ? SDR_NAMED(force_of_present)(components, each, 1, critical, body, block, left, F)
+              : SDR_NAMED(force_of_present)(components, each, 0, critical, body, block, left, F);
   if (!critical || !may_break) return;
-  SDR_NAMED(force_of_ageing)(components, law, each, 1, body, block, F);
+  SDR_NAMED(break_block)(components, each, body, block, left);
+  SDR_NAMED(force_of_present)(components, each, 1, 0, body, block, left, F);
   if (body->commit && fresh_in(block)) body->run_fresh[r] = body->run_flagged[r] = 1;
+}
+
+/* Forces of a block into F, while its history takes the stretches in: laws that soften. In three
+   loops: the way from displacement to force is so long that in one loop a processor would not see
+   enough pairs at once to keep busy; and the history, in float, has a loop of its own, so that the
+   others consist of whole vectors of one kind of number. */
+SDR_INLINE void SDR_NAMED(force_of_softening)(const int components, const int law, const int each,
+                                              const int marked, const sdr_bond_body *body,
+                                              const sdr_block *block, SDR_WHOLE *const F[3])
+{
+  enum { MORE = 64 / sizeof(SDR_REAL) };
+  const SDR_NAMED(sdr_terms) of = SDR_NAMED(terms_of)(body, block->class);
+  const int n = SDR_NAMED(whole_vectors)(block), lines = whole_lines(block);
+  SDR_WHOLE *const restrict fx = F[0], *const restrict fy = F[1], *const restrict fz = F[2];
+  _Alignas(64) SDR_REAL Z[SDR_BLOCK], R[SDR_BLOCK], K[SDR_BLOCK + MORE], Y[3][SDR_BLOCK];
+#pragma omp simd
+  for (int k = 0; k < n; ++k) {
+    const SDR_NAMED(sdr_motion) e = SDR_NAMED(pair_motion)(components, block, k);
+    const SDR_REAL z = SDR_NAMED(elongation)(components, &of, e);
+    const SDR_NAMED(sdr_stretch) t = SDR_NAMED(stretch_of)(z);
+    Z[k] = z;
+    R[k] = t.r;
+    K[k] = t.s;
+    Y[0][k] = of.xi[0] + e.x;
+    if (components > 1) Y[1][k] = of.xi[1] + e.y;
+    if (components > 2) Y[2][k] = of.xi[2] + e.z;
+  }
+  memset(K + n, 0, MORE * sizeof *K);
+#pragma omp simd
+  for (int k = 0; k < lines; ++k) {
+    const float grown = SDR_NAMED(grown_stretch)(marked, block->stretch[k], K[k]);
+    block->new_stretch[k] = grown;
+    K[k] = (SDR_REAL)grown;
+  }
+#pragma omp simd
+  for (int k = 0; k < n; ++k) {
+    const SDR_REAL phi = SDR_MEND(
+        of, SDR_NAMED(softened_factor)(law, each, marked, body, &of, block, k, Z[k], R[k], K[k]));
+    fx[k] = (SDR_WHOLE)(phi * Y[0][k]);
+    if (components > 1) fy[k] = (SDR_WHOLE)(phi * Y[1][k]);
+    if (components > 2) fz[k] = (SDR_WHOLE)(phi * Y[2][k]);
+  }
+}
+
+SDR_INLINE void SDR_NAMED(force_by_law)(const int components, const int law, const int each,
+                                        const sdr_bond_body *body, int64_t r,
+                                        const sdr_block *block, SDR_NAMED(sdr_left) * left,
+                                        SDR_WHOLE *const F[3])
+{
+  if (!sdr_law_softens(law))
+    SDR_NAMED(force_of_block)(components, law, each, body, r, block, left, F);
+  else if (body->run_marked && body->run_marked[r])
+    SDR_NAMED(force_of_softening)(components, law, each, 1, body, block, F);
+  else
+    SDR_NAMED(force_of_softening)(components, law, each, 0, body, block, F);
 }
 
 /* f += unit times the sum of `count` forces: once for all runs of a band, since what costs most is
@@ -350,7 +374,7 @@ SDR_INLINE int32_t SDR_NAMED(force_of_band)(const int components, const int law,
     const int c = band->count++;
     SDR_WHOLE *const F[3] = {band->force[c][0] + SDR_MARGIN, band->force[c][1] + SDR_MARGIN,
                              band->force[c][2] + SDR_MARGIN};
-    SDR_NAMED(force_of_block)(components, law, each, body, r, &block, &band->left, F);
+    SDR_NAMED(force_by_law)(components, law, each, body, r, &block, &band->left, F);
     for (int a = 0; a < components; ++a)
       memset(F[a] + block.count, 0, SDR_MARGIN * sizeof(SDR_WHOLE));
     bits |= SDR_BITS(body, components, F, block.count);

@@ -170,6 +170,12 @@ SDR_INLINE void fetch_next(const int law, const sdr_bond_body *body, const sdr_b
   }
 }
 
+/* Pairs of a block and those after them up to a whole line of slots, which are nobody's. */
+SDR_INLINE int whole_lines(const sdr_block *block)
+{
+  return (block->count + 15) / 16 * 16;
+}
+
 /* 1 if a bond of the block was lost and is not booked. */
 SDR_INLINE int fresh_in(const sdr_block *block)
 {
