@@ -4,6 +4,7 @@
 #include "scene/formula.h"
 #include "scene/units.h"
 
+#include <float.h>
 #include <math.h>
 #include <muParserDLL.h>
 #include <stdio.h>
@@ -119,14 +120,21 @@ static double scaled_value(sdr_expression *e, const sdr_formula *f, const double
   return mupEval(e->parser);
 }
 
+/* So small that digits are lost, by which it no longer scales. */
+static int is_too_small(double value)
+{
+  return value != 0 && fabs(value) < DBL_MIN;
+}
+
 /* Exponents of the value at one place and time; 0 if the value says nothing there. */
 static int exponents_at(sdr_expression *e, const sdr_formula *f, const double x[3], double t,
                         double exponent[BASES])
 {
   const double plain = scaled_value(e, f, x, t, -1);
   for (int base = 0; base < BASES; ++base) {
-    const double ratio = scaled_value(e, f, x, t, base) / plain;
+    const double scaled = scaled_value(e, f, x, t, base), ratio = scaled / plain;
     if (!isfinite(ratio) || !isfinite(plain) || plain == 0) return 0;
+    if (is_too_small(plain) || is_too_small(scaled)) return 0;
     exponent[base] = ratio > 0 ? log2(ratio) / log2(SCALE) : (double)NAN;
   }
   return 1;
@@ -191,6 +199,10 @@ static sdr_status finish(sdr_expression *e, const sdr_formula *f, sdr_unit unit)
   e->constant = mupEval(e->parser);
   if (!isfinite(e->constant)) {
     return sdr_fail(SDR_BAD_INPUT, "1: '%s' is not a finite number", e->text);
+  }
+  if (is_too_small(e->constant)) {
+    return sdr_fail(SDR_BAD_INPUT, "1: '%s' gives %g, below 2.3e-308, which is too small; write 0",
+                    e->text, e->constant);
   }
   return SDR_OK;
 }

@@ -3,6 +3,7 @@
 #include "scene/units.h"
 
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,6 +61,15 @@ static double number_value(const char *text, size_t length)
   return strtod(copy, NULL);
 }
 
+/* A literal other than zero whose value is zero, or so small that it has lost digits. */
+static int is_too_small(const char *text, size_t length, double value)
+{
+  if (fabs(value) >= DBL_MIN) return 0;
+  for (size_t k = 0; k < length && text[k] != 'e' && text[k] != 'E'; ++k)
+    if (text[k] >= '1' && text[k] <= '9') return 1;
+  return 0;
+}
+
 static size_t word_length(const char *text)
 {
   size_t length = 0;
@@ -87,8 +97,12 @@ static sdr_status scan_number(const char *text, size_t *at, sdr_formula *f)
     snprintf(why, sizeof why, "%s", sdr_error_message());
     return sdr_fail(status, "%d: %s", column, why);
   }
-  f->quantity[f->quantity_count] =
-      (sdr_formula_quantity){number * measure.multiply / measure.divide, measure.dimension};
+  const double value = number * measure.multiply / measure.divide;
+  if (is_too_small(text + *at, length, value)) {
+    return sdr_fail(SDR_BAD_INPUT, "%d: '%.*s' is below 2.3e-308 in SI units, too small; write 0",
+                    column, (int)(length > 40 ? 40 : length + used), text + *at);
+  }
+  f->quantity[f->quantity_count] = (sdr_formula_quantity){value, measure.dimension};
   if (used > 0) f->has_units = 1;
   char name[16];
   snprintf(name, sizeof name, "_q%d", f->quantity_count++);

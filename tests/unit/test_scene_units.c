@@ -62,7 +62,7 @@ static void units_become_si(void **state)
   assert_value("2 /s", ((sdr_unit){0, 0, -1, 0}), 2.0);
   assert_value("5 \xC2\xB5s", TIME, 5e-6);
   assert_value("-5", LENGTH, -5.0);
-  assert_value("5 m^1/2", LENGTH, 2.5); /* as the manual says */
+  assert_value("(5 m^2)/2", ((sdr_unit){2, 0, 0, 0}), 2.5); /* as the manual says */
   assert_value("1/2 m", ((sdr_unit){-1, 0, 0, 0}), 0.5);
 }
 
@@ -81,6 +81,14 @@ static void what_udunits_would_misread_is_refused(void **state)
   (void)state;
   assert_refused("4 m^0.5", LENGTH,
                  "1: the exponent of a unit must be a whole number from -12 to 12, like m^2");
+#define FRACTION                                                                                   \
+  "' after a unit: units have whole exponents only, so there are no roots of them; to divide, "    \
+  "put "                                                                                           \
+  "the value in brackets, like (1 m^2)/2. A toughness is an energy per area, like 100 J/m^2: "     \
+  "from "                                                                                          \
+  "a stress intensity K it is K^2/E"
+  assert_refused("1 MPa*m^1/2", PRESSURE, "1: '^1/2" FRACTION);
+  assert_refused("1 kg m^-12/25", PRESSURE, "1: '^-12/25" FRACTION);
   assert_refused("4 m^x", LENGTH, "1: the exponent of a unit must be a whole number, like m^2");
   assert_refused("4 mpa", PRESSURE, "3: unknown unit 'mpa'; did you mean 'MPa'?");
   assert_refused("4 pa", PRESSURE, "3: unknown unit 'pa'; did you mean 'Pa'?");
@@ -169,6 +177,25 @@ static void bad_formulas_say_column_and_reason(void **state)
   assert_refused("1 \xE2\x82\xAC", PLAIN, "3: a letter or sign that no formula has");
 }
 
+/* Below 2.3e-308 numbers lose digits, and do not scale as their unit any more. */
+static void numbers_too_small_to_keep_their_digits_are_refused(void **state)
+{
+  (void)state;
+  const double x[3] = {0.5, 0, 0};
+  assert_refused("2*1e-320", PLAIN,
+                 "3: '1e-320' is below 2.3e-308 in SI units, too small; write 0");
+  assert_refused("1e-400", PLAIN, "1: '1e-400' is below 2.3e-308 in SI units, too small; write 0");
+  assert_refused("-1e-305 um", LENGTH,
+                 "2: '1e-305 um' is below 2.3e-308 in SI units, too small; write 0");
+  assert_refused("1 MPa * 1e-300 * 1e-15", PRESSURE,
+                 "1: '1 MPa * 1e-300 * 1e-15' gives 1e-309, below 2.3e-308, which is too small; "
+                 "write 0");
+  assert_near(value_at("0.00e-400 MPa", PRESSURE, x, 0), 0, 0);
+  assert_near(value_at("1 MPa * exp(-1400*x/(1 m))", PRESSURE, x, 0), 1e6 * exp(-700), 1e-310);
+  assert_refused("1 m * exp(-1400*x/(1 m))", PRESSURE,
+                 "1: '1 m * exp(-1400*x/(1 m))' is a length, wanted a pressure, like 1 MPa");
+}
+
 static void a_value_that_is_not_finite_names_place_and_time(void **state)
 {
   (void)state;
@@ -242,6 +269,7 @@ int main(void)
       cmocka_unit_test(a_formula_without_units_is_si_throughout),
       cmocka_unit_test(terms_that_do_not_fit_together_are_refused),
       cmocka_unit_test(bad_formulas_say_column_and_reason),
+      cmocka_unit_test(numbers_too_small_to_keep_their_digits_are_refused),
       cmocka_unit_test(a_value_that_is_not_finite_names_place_and_time),
       cmocka_unit_test(a_formula_knows_what_it_uses),
       cmocka_unit_test(a_relative_unit_is_told_apart),
