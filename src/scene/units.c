@@ -253,6 +253,19 @@ static size_t name_length(const char *text)
   return text[length + strspn(text + length, " ")] == '(' ? 0 : length;
 }
 
+/* "m^1/2" looks like a root and is half a metre; nobody who wants that writes it so. */
+static sdr_status refuse_fraction(const char *exponent)
+{
+  int length = 1; /* of "1/2" */
+  while (isdigit((unsigned char)exponent[length])) ++length;
+  for (++length; isdigit((unsigned char)exponent[length]);) ++length;
+  return sdr_fail(SDR_BAD_INPUT,
+                  "'^%.*s' after a unit: units have whole exponents only, so there are no roots of "
+                  "them; to divide, put the value in brackets, like (1 m^2)/2. A toughness is an "
+                  "energy per area, like 100 J/m^2: from a stress intensity K it is K^2/E",
+                  length, exponent);
+}
+
 static sdr_status scan_exponent(const char *text, size_t *used, int *exponent)
 {
   *exponent = 1;
@@ -267,6 +280,7 @@ static sdr_status scan_exponent(const char *text, size_t *used, int *exponent)
     return sdr_fail(SDR_BAD_INPUT,
                     "the exponent of a unit must be a whole number from -12 to 12, like m^2");
   }
+  if (*end == '/' && isdigit((unsigned char)end[1])) return refuse_fraction(text + 1);
   *used += (size_t)(end - text);
   *exponent = (int)value;
   return SDR_OK;
