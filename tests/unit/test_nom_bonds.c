@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "nom/bonds.h"
 #include "support/cmocka_all.h"
+#include "support/every_pair.h"
 #include "support/noise.h"
 
 #include <math.h>
@@ -54,63 +55,7 @@ static sdr_points *make_points(const shape *s)
   return points;
 }
 
-/* ---- the naive search ------------------------------------------------------------------------ */
-
-enum { IN_I = 1, IN_J = 2, FOUND = 4 };
-
-typedef struct {
-  const sdr_points *points;
-  char *mark; /* count x count, for i < j */
-  int64_t pairs, directed, visited;
-} table;
-
-static char *entry(const table *t, int32_t i, int32_t j)
-{
-  const int32_t low = i < j ? i : j, high = i < j ? j : i;
-  return t->mark + (size_t)low * (size_t)t->points->count + (size_t)high;
-}
-
-static table naive(const sdr_points *points)
-{
-  const size_t n = (size_t)points->count;
-  table t = {.points = points, .mark = sdr_alloc(n * n, 1)};
-  for (int32_t i = 0; i < points->count; ++i)
-    for (int32_t j = i + 1; j < points->count; ++j) {
-      double square = 0.0;
-      for (int a = 0; a < points->components; ++a)
-        square += pow(points->x[a][j] - points->x[a][i], 2.0);
-      const double distance = sqrt(square) * (1.0 - 0.5e-9);
-      *entry(&t, i, j) = (char)((distance <= points->horizon[i] ? IN_I : 0) |
-                                (distance <= points->horizon[j] ? IN_J : 0));
-      t.pairs += *entry(&t, i, j) != 0;
-      t.directed += (distance <= points->horizon[i]) + (distance <= points->horizon[j]);
-    }
-  return t;
-}
-
-static void check_slot(void *context, const sdr_pair *pair)
-{
-  table *t = context;
-  const sdr_points *points = t->points;
-  char *mark = entry(t, pair->i, pair->j);
-  const int first_is_i = pair->i < pair->j;
-  const int ij = (*mark & (first_is_i ? IN_I : IN_J)) != 0;
-  const int ji = (*mark & (first_is_i ? IN_J : IN_I)) != 0;
-  assert_true(ij || ji);
-  assert_true(pair->weight_ij == (ij ? 1.0 : 0.0));
-  assert_true(pair->weight_ji == (ji ? 1.0 : 0.0));
-  double square = 0.0;
-  for (int a = 0; a < points->components; ++a) {
-    const double xi = points->x[a][pair->j] - points->x[a][pair->i];
-    assert_true(fabs(pair->xi[a] - xi) < 1e-12 * (1.0 + fabs(points->x[a][pair->i])));
-    square += xi * xi;
-  }
-  assert_true(fabs(pair->length - sqrt(square)) < 1e-12 * points->count);
-  if (!pair->primary) return;
-  assert_false(*mark & FOUND);
-  *mark |= FOUND;
-  ++t->visited;
-}
+/* ---- pairs ----------------------------------------------------------------------------------- */
 
 static void check_bonds(const shape *s, int expect_runs)
 {
@@ -118,7 +63,7 @@ static void check_bonds(const shape *s, int expect_runs)
   const sdr_bonds_how how = {.force_loose = s->force_loose};
   sdr_bonds *bonds;
   assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
-  table t = naive(points);
+  pair_table t = every_pair(points);
   sdr_bonds_visit(bonds, points, check_slot, &t);
   assert_int_equal(t.visited, t.pairs);
   assert_int_equal(bonds->pairs, t.pairs);
@@ -139,11 +84,11 @@ static void check_mixed(const shape *s)
   const sdr_bonds_how how = {.bulk = bulk};
   sdr_bonds *bonds;
   assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
-  table t = naive(points);
+  pair_table t = every_pair(points);
   int64_t loose = 0, directed = 0;
   for (int32_t i = 0; i < points->count; ++i)
     for (int32_t j = i + 1; j < points->count; ++j)
-      loose += *entry(&t, i, j) && !(bulk[i] && bulk[j]);
+      loose += *pair_entry(&t, i, j) && !(bulk[i] && bulk[j]);
   sdr_bonds_visit(bonds, points, check_slot, &t);
   for (int64_t r = 0; r < bonds->run_count; ++r)
     for (int32_t k = 0; k < bonds->runs[r].length; ++k, directed += 2)
@@ -171,7 +116,7 @@ static void check_one_sided(const shape *s)
   const sdr_bonds_how how = {.one_sided = 1};
   sdr_bonds *bonds;
   assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
-  table t = naive(points);
+  pair_table t = every_pair(points);
   sdr_bonds_visit(bonds, points, check_own_slot, &t);
   assert_int_equal(t.visited, t.pairs);
   assert_int_equal(bonds->pairs, t.pairs);
@@ -276,13 +221,6 @@ static void a_lattice_with_varying_horizons_is_loose(void **state)
 
 /* ---- stripes --------------------------------------------------------------------------------- */
 
-static int stripe_of(const sdr_points *points, int32_t i)
-{
-  int s = 0;
-  while (points->stripe_first[s + 1] <= i) ++s;
-  return s;
-}
-
 static void every_run_joins_a_stripe_to_itself_or_the_next(void **state)
 {
   (void)state;
@@ -291,19 +229,13 @@ static void every_run_joins_a_stripe_to_itself_or_the_next(void **state)
     const sdr_bonds_how how = {0};
     sdr_bonds *bonds;
     assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
+    check_stripes_of_runs(points, bonds);
     int64_t end = 0;
-    for (int s = 0; s < points->stripe_count; ++s)
-      for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
-        const sdr_bond_run *run = &bonds->runs[r];
-        const int32_t last = run->length - 1;
-        const int i = stripe_of(points, run->i0), j = stripe_of(points, run->j0);
-        assert_true((i == s || i == s + 1) && (j == s || j == s + 1));
-        assert_true(i == s || j == s);
-        assert_int_equal(stripe_of(points, run->i0 + last), i);
-        assert_int_equal(stripe_of(points, run->j0 + last), j);
-        assert_true(run->length > 0 && run->slot >= end);
-        end = run->slot + run->length;
-      }
+    for (int64_t r = 0; r < bonds->run_count; ++r) {
+      const sdr_bond_run *run = &bonds->runs[r];
+      assert_true(run->length > 0 && run->slot >= end);
+      end = run->slot + run->length;
+    }
     assert_int_equal(bonds->stripe_run[points->stripe_count], bonds->run_count);
     assert_true(end <= bonds->run_slots);
     sdr_bonds_destroy(&bonds);
@@ -347,21 +279,8 @@ static void every_failing_allocation_is_reported(void **state)
   (void)state;
   for (int loose = 0; loose < 2; ++loose) {
     sdr_points *points = make_points(&(shape){2, {9, 9, 1}, 2.5, 0.0, 0.0, 0.0, NULL, loose});
-    const sdr_bonds_how how = {.force_loose = loose};
-    const size_t before = sdr_memory_now();
-    sdr_bonds *bonds = NULL;
-    long fails = 0;
-    for (; fails < 100; ++fails) {
-      sdr_memory_fail_after(fails);
-      const sdr_status status = sdr_bonds_create(points, &how, &bonds);
-      sdr_memory_fail_after(-1);
-      if (status == SDR_OK) break;
-      assert_int_equal(status, SDR_RUN_FAILED);
-      assert_null(bonds);
-      assert_int_equal(sdr_memory_now(), before);
-    }
+    const long fails = count_failing_allocations(points, &(sdr_bonds_how){.force_loose = loose});
     assert_true(fails > 6 && fails < 100);
-    sdr_bonds_destroy(&bonds);
     sdr_points_destroy(&points);
   }
 }

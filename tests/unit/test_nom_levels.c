@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "nom/bonds.h"
 #include "support/cmocka_all.h"
+#include "support/every_pair.h"
 
 #include <math.h>
 #include <string.h>
@@ -102,65 +103,7 @@ static const graded shapes[] = {
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
-/* ---- the naive search ------------------------------------------------------------------------ */
-
-enum { IN_I = 1, IN_J = 2, FOUND = 4 };
-
-typedef struct {
-  const sdr_points *points;
-  char *mark; /* count x count, for i < j */
-  int64_t pairs, directed, visited, across;
-} table;
-
-static char *entry(const table *t, int32_t i, int32_t j)
-{
-  const int32_t low = i < j ? i : j, high = i < j ? j : i;
-  return t->mark + (size_t)low * (size_t)t->points->count + (size_t)high;
-}
-
-static table naive(const sdr_points *points)
-{
-  const size_t n = (size_t)points->count;
-  table t = {.points = points, .mark = sdr_alloc(n * n, 1)};
-  for (int32_t i = 0; i < points->count; ++i)
-    for (int32_t j = i + 1; j < points->count; ++j) {
-      double square = 0.0;
-      for (int a = 0; a < points->components; ++a) {
-        const double d = points->x[a][j] - points->x[a][i];
-        square += d * d;
-      }
-      const double distance = sqrt(square) * (1.0 - 0.5e-9);
-      const int ij = distance <= points->horizon[i], ji = distance <= points->horizon[j];
-      *entry(&t, i, j) = (char)((ij ? IN_I : 0) | (ji ? IN_J : 0));
-      t.pairs += ij || ji;
-      t.directed += ij + ji;
-      t.across += (ij || ji) && points->level[i] != points->level[j];
-    }
-  return t;
-}
-
-static void check_slot(void *context, const sdr_pair *pair)
-{
-  table *t = context;
-  const sdr_points *points = t->points;
-  char *mark = entry(t, pair->i, pair->j);
-  const int ij = (*mark & (pair->i < pair->j ? IN_I : IN_J)) != 0;
-  const int ji = (*mark & (pair->i < pair->j ? IN_J : IN_I)) != 0;
-  assert_true(ij || ji);
-  assert_true(pair->weight_ij == (ij ? 1.0 : 0.0) && pair->weight_ji == (ji ? 1.0 : 0.0));
-  if (!pair->loose) assert_int_equal(points->level[pair->i], points->level[pair->j]);
-  double square = 0.0;
-  for (int a = 0; a < points->components; ++a) {
-    const double xi = points->x[a][pair->j] - points->x[a][pair->i];
-    assert_true(fabs(pair->xi[a] - xi) < 1e-12);
-    square += xi * xi;
-  }
-  assert_true(fabs(pair->length - sqrt(square)) < 1e-12);
-  if (!pair->primary) return;
-  assert_false(*mark & FOUND);
-  *mark |= FOUND;
-  ++t->visited;
-}
+/* ---- bonds ----------------------------------------------------------------------------------- */
 
 static void bonds_of_nested_lattices_hold_each_pair_once(void **state)
 {
@@ -171,7 +114,7 @@ static void bonds_of_nested_lattices_hold_each_pair_once(void **state)
       const sdr_bonds_how how = {.levels = levels};
       sdr_bonds *bonds;
       assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
-      table t = naive(points);
+      pair_table t = every_pair(points);
       sdr_bonds_visit(bonds, points, check_slot, &t);
       assert_int_equal(t.visited, t.pairs);
       assert_int_equal(bonds->pairs, t.pairs);
@@ -193,19 +136,12 @@ static void pairs_within_a_level_lie_on_runs(void **state)
     const sdr_bonds_how how = {.levels = 1};
     sdr_bonds *bonds;
     assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
-    table t = naive(points);
+    pair_table t = every_pair(points);
     assert_int_equal(bonds->loose_pairs, t.across);
     sdr_free(t.mark);
     sdr_bonds_destroy(&bonds);
     sdr_points_destroy(&points);
   }
-}
-
-static int stripe_of(const sdr_points *points, int32_t i)
-{
-  int s = 0;
-  while (points->stripe_first[s + 1] <= i) ++s;
-  return s;
 }
 
 static void runs_of_every_level_join_a_stripe_to_itself_or_the_next(void **state)
@@ -217,14 +153,7 @@ static void runs_of_every_level_join_a_stripe_to_itself_or_the_next(void **state
     sdr_bonds *bonds;
     assert_int_equal(sdr_bonds_create(points, &how, &bonds), SDR_OK);
     if (shapes[k].size[0] > 32 && shapes[k].size[1] > 32) assert_true(points->stripe_count > 4);
-    for (int s = 0; s < points->stripe_count; ++s)
-      for (int64_t r = bonds->stripe_run[s]; r < bonds->stripe_run[s + 1]; ++r) {
-        const sdr_bond_run *run = &bonds->runs[r];
-        const int i = stripe_of(points, run->i0), j = stripe_of(points, run->j0);
-        assert_true((i == s && j == s) || (i == s && j == s + 1) || (i == s + 1 && j == s));
-        assert_int_equal(stripe_of(points, run->i0 + run->length - 1), i);
-        assert_int_equal(stripe_of(points, run->j0 + run->length - 1), j);
-      }
+    check_stripes_of_runs(points, bonds);
     sdr_bonds_destroy(&bonds);
     sdr_points_destroy(&points);
   }
@@ -261,20 +190,8 @@ static void every_failing_allocation_is_reported(void **state)
 {
   (void)state;
   sdr_points *points = make_points(&shapes[6]);
-  const sdr_bonds_how how = {.levels = 1};
-  const size_t before = sdr_memory_now();
-  sdr_bonds *bonds = NULL;
-  long fails = 0;
-  for (; fails < 200; ++fails) {
-    sdr_memory_fail_after(fails);
-    const sdr_status status = sdr_bonds_create(points, &how, &bonds);
-    sdr_memory_fail_after(-1);
-    if (status == SDR_OK) break;
-    assert_int_equal(status, SDR_RUN_FAILED);
-    assert_int_equal(sdr_memory_now(), before);
-  }
+  const long fails = count_failing_allocations(points, &(sdr_bonds_how){.levels = 1});
   assert_true(fails > 10 && fails < 200);
-  sdr_bonds_destroy(&bonds);
   sdr_points_destroy(&points);
 }
 
