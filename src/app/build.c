@@ -309,6 +309,25 @@ sdr_status sdr_build(const char *path, const char *variant, int set_count, const
   return sdr_fail(SDR_BAD_INPUT, "%s: a scene with an equation moves no body", path);
 }
 
+sdr_status sdr_built_start(sdr_built *built)
+{
+  if (built->scene->points.adapt)
+    return sdr_fail(SDR_BAD_INPUT, "points.adapt: points split only in `sunder run`");
+  return built->integrator->start(built->system, built->step);
+}
+
+sdr_status sdr_built_step(sdr_built *built)
+{
+  return built->integrator->step(built->system, built->step);
+}
+
+int sdr_built_is_over(const sdr_built *built)
+{
+  if (built->system->over) return 1;
+  if (!built->integrator->chooses) return built->system->step >= built->steps;
+  return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
+}
+
 void sdr_built_destroy(sdr_built *built)
 {
   sdr_system_destroy(&built->system);

@@ -43,6 +43,12 @@ sdr_status sdr_build(const char *path, const char *variant, int set_count, const
    then, also on failure. */
 sdr_status sdr_build_scene(sdr_scene **scene, sdr_built *out);
 
+/* Run it: begin, then a step after another until it is over. Begin computes the first force. What
+   only `sunder run` does is refused (SDR_BAD_INPUT): points that split on the way. */
+sdr_status sdr_built_start(sdr_built *built);
+sdr_status sdr_built_step(sdr_built *built);
+int sdr_built_is_over(const sdr_built *built);
+
 /* Parts of it, to build them over other points (built->points) of the same scene: families and
    model, not marked, with Young's modulus (Pa) of each point and what share of a full family's
    energy each keeps (sdr_bond_based_how; NULL: its own); then what acts on them, and the system, at

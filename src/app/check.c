@@ -2,13 +2,14 @@
 
 #include "app/build.h"
 #include "app/check_material.h"
+#include "app/directory.h"
 #include "app/figures.h"
 #include "app/run_equation.h"
+#include "app/watch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "damage/laws.h"
-#include "output/ledger.h"
-#include "output/measures.h"
+#include "output/rundir.h"
 #include "time/tolerances.h"
 
 #include <math.h>
@@ -139,15 +140,18 @@ static void print_lists(const sdr_built *built, FILE *out)
 }
 
 /* What a run would refuse besides. */
-static sdr_status check_output(const sdr_built *built)
+static sdr_status check_run(sdr_built *built)
 {
-  sdr_observer *ledger = NULL, *measures = NULL;
+  char directory[SDR_DIRECTORY];
+  sdr_watchers watch;
   SDR_TRY(sdr_figures_known(built->scene));
-  SDR_TRY(sdr_ledger_create(built->scene, built->points, &ledger));
-  const sdr_status status =
-      sdr_measures_create(built->scene, built->points, ledger, built->steps, &measures);
-  if (measures) measures->ops->destroy(measures);
-  ledger->ops->destroy(ledger);
+  SDR_TRY(sdr_name_directory(built->scene, NULL, NULL, directory));
+  SDR_TRY(sdr_rundir_try(directory));
+  sdr_moment moment = sdr_watch_moment(built, directory);
+  sdr_status status = sdr_watchers_create(built, &moment, 0, &watch);
+  sdr_watchers_destroy(&watch);
+  if (status == SDR_OK && built->integrator->held)
+    status = built->integrator->held(built->system, built->step);
   return status;
 }
 
@@ -182,7 +186,7 @@ sdr_status sdr_check(const char *path, const char *variant, int set_count, const
     return checked;
   }
   SDR_TRY(sdr_build_scene(&scene, &built));
-  sdr_status status = check_output(&built);
+  sdr_status status = check_run(&built);
   if (status == SDR_OK) status = print_all(&built, out);
   sdr_built_destroy(&built);
   return status;

@@ -7,6 +7,7 @@
 #include "app/figures.h"
 #include "app/run_equation.h"
 #include "app/stop.h"
+#include "app/watch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/checkpoint.h"
@@ -16,10 +17,7 @@
 #include "output/measures.h"
 #include "output/onset.h"
 #include "output/pieces.h"
-#include "output/progress.h"
-#include "output/runaway.h"
 #include "output/rundir.h"
-#include "output/snapshots.h"
 #include "output/summary.h"
 
 #include <math.h>
@@ -31,15 +29,11 @@
 #define SUNDER_COMMIT "unknown"
 #endif
 
-enum { OBSERVERS = 8 };
-
 typedef struct {
   sdr_built built;
   char directory[SDR_DIRECTORY];
   int lock;
-  sdr_observer *ledger, *runaway, *snapshots, *onset, *measures, *cracks, *progress, *adapt;
-  sdr_observer *observers[OBSERVERS]; /* those there are, in the order they look */
-  int observer_count;
+  sdr_watchers watch;
   sdr_moment moment;
   int64_t steps_before;          /* taken before a resume */
   double written;                /* s: when the last checkpoint was */
@@ -56,75 +50,20 @@ static double wall(void)
 
 /* ---- set-up ---------------------------------------------------------------------------------- */
 
-static void add_observer(run *r, sdr_observer *observer)
-{
-  if (observer) r->observers[r->observer_count++] = observer;
-}
-
-static sdr_status make_observers(run *r, const sdr_run_options *options)
-{
-  const sdr_scene *scene = r->built.scene;
-  SDR_TRY(sdr_ledger_create(scene, r->built.points, &r->ledger));
-  add_observer(r, r->ledger);
-  SDR_TRY(sdr_runaway_create(r->ledger, &r->runaway));
-  add_observer(r, r->runaway);
-  if (scene->damage.law != SDR_LAW_NONE)
-    SDR_TRY(sdr_onset_create(r->built.points, r->built.onset, &r->onset));
-  add_observer(r, r->onset);
-  if (scene->output.measure_count > 0)
-    SDR_TRY(sdr_measures_create(scene, r->built.points, r->ledger, r->built.steps, &r->measures));
-  add_observer(r, r->measures);
-  if (scene->output.cracks.tip_count > 0)
-    SDR_TRY(sdr_crack_tips_create(scene, r->built.points, r->built.plane_cut, &r->cracks));
-  add_observer(r, r->cracks);
-  SDR_TRY(sdr_snapshots_create(scene, r->directory, r->built.points, &r->snapshots));
-  add_observer(r, r->snapshots);
-  if (!options->quiet) SDR_TRY(sdr_progress_create(r->ledger, &r->progress));
-  add_observer(r, r->progress);
-  if (scene->points.adapt) /* the last: what it changes is for the next step */
-    SDR_TRY(sdr_adapt_create(&r->built, &r->moment, r->observers, &r->observer_count, &r->adapt));
-  add_observer(r, r->adapt);
-  return SDR_OK;
-}
-
-static void destroy_observer(sdr_observer **observer)
-{
-  if (*observer) (*observer)->ops->destroy(*observer);
-  *observer = NULL;
-}
-
-static void set_moment(run *r)
-{
-  const sdr_built *built = &r->built;
-  r->moment = (sdr_moment){.system = built->system,
-                           .scene = built->scene,
-                           .directory = r->directory,
-                           .step_size = built->step,
-                           .end = built->scene->time.end,
-                           .steps = built->steps};
-}
-
-static int is_over(const sdr_built *built)
-{
-  if (built->system->over) return 1;
-  if (!built->integrator->chooses) return built->system->step >= built->steps;
-  return built->system->time >= built->scene->time.end * (1.0 - 1e-12);
-}
-
 /* Not at the end: there is no step any more that methods could look ahead to. */
 static sdr_status restart(run *r)
 {
   const sdr_built *built = &r->built;
-  if (!built->integrator->restart || is_over(built)) return SDR_OK;
+  if (!built->integrator->restart || sdr_built_is_over(built)) return SDR_OK;
   return built->integrator->restart(built->system, built->step);
 }
 
 static sdr_status begin(run *r, const sdr_run_options *options)
 {
   if (!options->resume) return r->built.integrator->start(r->built.system, r->built.step);
-  if (r->adapt) SDR_TRY(sdr_adapt_resume(r->adapt, options->resume));
-  SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, r->built.traits.isa, r->observers,
-                              r->observer_count));
+  if (r->watch.adapt) SDR_TRY(sdr_adapt_resume(r->watch.adapt, options->resume));
+  SDR_TRY(sdr_checkpoint_read(options->resume, &r->moment, r->built.traits.isa, r->watch.list,
+                              r->watch.count));
   r->steps_before = r->moment.step;
   r->written = r->moment.time;
   r->built.step = r->moment.step_size;
@@ -147,8 +86,8 @@ static sdr_status write_checkpoint(run *r)
 {
   const sdr_built *built = &r->built;
   r->written = r->moment.time;
-  SDR_TRY(sdr_checkpoint_write(r->directory, &r->moment, built->traits.isa, r->observers,
-                               r->observer_count));
+  SDR_TRY(sdr_checkpoint_write(r->directory, &r->moment, built->traits.isa, r->watch.list,
+                               r->watch.count));
   return restart(r);
 }
 
@@ -157,21 +96,21 @@ static sdr_status observe(run *r)
   const double from = wall();
   sdr_moment *moment = &r->moment;
   sdr_balance balance;
-  int due[OBSERVERS] = {0}, wants = 0;
+  int due[SDR_WATCHERS] = {0}, wants = 0;
   moment->time = r->built.system->time;
   moment->step = r->built.system->step;
-  moment->last = is_over(&r->built);
+  moment->last = sdr_built_is_over(&r->built);
   moment->balance = NULL;
-  for (int k = 0; k < r->observer_count; ++k)
+  for (int k = 0; k < r->watch.count; ++k)
     due[k] =
-        r->observers[k]->ops->due && r->observers[k]->ops->due(r->observers[k], moment, &wants);
+        r->watch.list[k]->ops->due && r->watch.list[k]->ops->due(r->watch.list[k], moment, &wants);
   if (wants) {
     sdr_system_balance(r->built.system, &balance);
     moment->balance = &balance;
   }
   sdr_status status = SDR_OK;
-  for (int k = 0; k < r->observer_count && status == SDR_OK; ++k)
-    if (due[k]) status = r->observers[k]->ops->look(r->observers[k], moment);
+  for (int k = 0; k < r->watch.count && status == SDR_OK; ++k)
+    if (due[k]) status = r->watch.list[k]->ops->look(r->watch.list[k], moment);
   if (status == SDR_OK && sdr_checkpoint_due(moment) && is_new(r)) status = write_checkpoint(r);
   moment->balance = NULL;
   r->output += wall() - from;
@@ -196,14 +135,14 @@ static sdr_status integrate(run *r, int resumed)
 {
   const char *signal;
   if (!resumed) SDR_TRY(observe(r));
-  while (!is_over(&r->built)) {
+  while (!sdr_built_is_over(&r->built)) {
     if ((signal = sdr_stop_asked()) != NULL) return stop(r, signal);
-    SDR_TRY(r->built.integrator->step(r->built.system, r->built.step));
+    SDR_TRY(sdr_built_step(&r->built));
     SDR_TRY(observe(r));
   }
-  for (int k = 0; k < r->observer_count; ++k)
-    if (r->observers[k]->ops->finish)
-      SDR_TRY(r->observers[k]->ops->finish(r->observers[k], &r->moment));
+  for (int k = 0; k < r->watch.count; ++k)
+    if (r->watch.list[k]->ops->finish)
+      SDR_TRY(r->watch.list[k]->ops->finish(r->watch.list[k], &r->moment));
   return SDR_OK;
 }
 
@@ -299,8 +238,8 @@ static void print_method(const sdr_method_record *m, FILE *out)
 /* What an adaptive run did. */
 static void print_adapt(const run *r, const sdr_summary *s, FILE *out)
 {
-  if (!r->adapt) return;
-  const sdr_adapt_record a = sdr_adapt_look(r->adapt);
+  if (!r->watch.adapt) return;
+  const sdr_adapt_record a = sdr_adapt_look(r->watch.adapt);
   fprintf(out, "points split        %lld times, from %d to %lld points; energy changed by %.2g J",
           (long long)a.events, (int)a.first_points, (long long)s->points, a.energy);
   fprintf(out, "; %.3f s, and %.3f s to choose\n", a.seconds, a.looking);
@@ -311,7 +250,7 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
 {
   fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %.6g us\n", s->scene->title,
           (long long)s->points, (long long)s->bonds, (long long)s->steps, s->time_end * 1e6);
-  if (r->onset && isnan(s->onset_time)) fprintf(out, "onset of damage     never\n");
+  if (r->watch.onset && isnan(s->onset_time)) fprintf(out, "onset of damage     never\n");
   if (!isnan(s->onset_time)) fprintf(out, "onset of damage     %.4g us\n", s->onset_time * 1e6);
   if (s->fragments_known)
     fprintf(
@@ -379,17 +318,18 @@ static sdr_status summarise(run *r, FILE *out)
                          .step_size = built->step,
                          .time_end = built->system->time,
                          .stable_step = built->stable_step,
-                         .books = sdr_ledger_books(r->ledger),
+                         .books = sdr_ledger_books(r->watch.ledger),
                          .contact_closest = closest_contact(built->contact),
-                         .onset_time = r->onset ? sdr_onset_time(r->onset) : (double)NAN,
-                         .cracks = r->cracks ? sdr_crack_tips_reports(r->cracks) : NULL,
+                         .onset_time =
+                             r->watch.onset ? sdr_onset_time(r->watch.onset) : (double)NAN,
+                         .cracks = r->watch.cracks ? sdr_crack_tips_reports(r->watch.cracks) : NULL,
                          .skipped = built->skipped,
                          .skipped_count = built->skipped_count,
                          .solve = &built->system->solve,
                          .method = &built->system->method};
   SDR_TRY(damage_of_points(r, &summary));
   SDR_TRY(find_pieces(r, &summary, &ring));
-  SDR_TRY(sdr_figures_measured(built->scene, &summary, &ring, r->measures, &measured,
+  SDR_TRY(sdr_figures_measured(built->scene, &summary, &ring, r->watch.measures, &measured,
                                &summary.measured_count));
   summary.measured = measured;
   summary.wall_setup = r->setup;
@@ -430,13 +370,20 @@ static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *optio
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
   if (r->built.warning[0] && !options->quiet)
     fprintf(stderr, "sunder: warning: %s\n", r->built.warning);
-  set_moment(r);
-  SDR_TRY(make_observers(r, options));
+  r->moment = sdr_watch_moment(&r->built, r->directory);
+  SDR_TRY(sdr_watchers_create(&r->built, &r->moment, !options->quiet, &r->watch));
   SDR_TRY(begin(r, options));
   /* Not before a checkpoint is known to fit: what lies there may be another scene's. */
   SDR_TRY(sdr_rundir_write(r->directory, "used.yaml", r->built.scene->used_yaml));
   r->setup = wall() - r->started;
   return SDR_OK;
+}
+
+/* Before anything is printed. */
+static void end_progress(sdr_watchers *watch)
+{
+  if (watch->progress) watch->progress->ops->destroy(watch->progress);
+  watch->progress = NULL;
 }
 
 static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_options *options,
@@ -447,15 +394,9 @@ static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_opti
   sdr_status status = set_up(&r, scene, options);
   if (status == SDR_OK) status = integrate(&r, options->resume != NULL);
   if (options->stoppable) sdr_stop_unwatch();
-  destroy_observer(&r.progress);
+  end_progress(&r.watch);
   if (status == SDR_OK) status = summarise(&r, out);
-  destroy_observer(&r.snapshots);
-  destroy_observer(&r.adapt);
-  destroy_observer(&r.cracks);
-  destroy_observer(&r.measures);
-  destroy_observer(&r.onset);
-  destroy_observer(&r.runaway);
-  destroy_observer(&r.ledger);
+  sdr_watchers_destroy(&r.watch);
   sdr_rundir_close(r.directory, r.lock);
   sdr_built_destroy(&r.built);
   return status;

@@ -212,7 +212,13 @@ sdr_status sdr_check_equation(sdr_scene *scene, FILE *out)
   if (scene->threads > 0) sdr_set_threads(scene->threads);
   measure(&s, scene->equation);
   SDR_TRY(sdr_figures_check(scene, s.measured, FIGURES));
+  SDR_TRY(sdr_name_directory(scene, NULL, NULL, s.directory));
   SDR_TRY(sdr_problem_create(scene, &s.problem));
+  const sdr_status status = sdr_rundir_try(s.directory);
+  if (status != SDR_OK) {
+    sdr_problem_destroy(&s.problem);
+    return status;
+  }
   const int32_t count = s.problem->points->count;
   fprintf(out, "%s\n", scene->title);
   print_operators(s.problem, out);

@@ -26,10 +26,11 @@ static sdr_status join(const char *directory, const char *name, const char *endi
   return sdr_fail(SDR_IO_ERROR, "cannot write %s/%s: %s", directory, name, strerror(ENAMETOOLONG));
 }
 
-/* mkdir -p. */
-static sdr_status make_directory(const char *directory)
+/* mkdir -p; *made: how many characters of the path name the first one made, 0: none was. */
+static sdr_status make_directory(const char *directory, size_t *made)
 {
   char path[PATH_MAX];
+  *made = 0;
   if (snprintf(path, sizeof path, "%s", directory) >= PATH_MAX)
     return sdr_fail(SDR_IO_ERROR, "cannot make the directory %s: %s", directory,
                     strerror(ENAMETOOLONG));
@@ -37,8 +38,10 @@ static sdr_status make_directory(const char *directory)
     const char kept = *slash;
     if (kept != '/' && kept != '\0') continue;
     *slash = '\0';
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-      return sdr_fail(SDR_IO_ERROR, "cannot make the directory %s: %s", path, strerror(errno));
+    const int failed = mkdir(path, 0777) == 0 ? 0 : errno;
+    if (!failed && *made == 0) *made = strlen(path);
+    if (failed && failed != EEXIST)
+      return sdr_fail(SDR_IO_ERROR, "cannot make the directory %s: %s", path, strerror(failed));
     *slash = kept;
     if (kept == '\0') break;
   }
@@ -48,6 +51,29 @@ static sdr_status make_directory(const char *directory)
   if (!S_ISDIR(status.st_mode))
     return sdr_fail(SDR_IO_ERROR, "cannot use %s as the run's directory: it is a file", directory);
   return SDR_OK;
+}
+
+/* Take away what make_directory made. */
+static void remove_directories(const char *directory, size_t made)
+{
+  char path[PATH_MAX];
+  snprintf(path, sizeof path, "%s", directory);
+  for (size_t length = strlen(path); made > 0 && length >= made; --length) {
+    if (path[length] != '\0' && path[length] != '/') continue;
+    path[length] = '\0';
+    rmdir(path);
+  }
+}
+
+sdr_status sdr_rundir_try(const char *directory)
+{
+  size_t made;
+  sdr_status status = make_directory(directory, &made);
+  if (status == SDR_OK && access(directory, W_OK | X_OK) != 0)
+    status =
+        sdr_fail(SDR_IO_ERROR, "cannot write in the directory %s: %s", directory, strerror(errno));
+  remove_directories(directory, made);
+  return status;
 }
 
 static sdr_status held_by_another(const char *directory, int lock)
@@ -152,7 +178,8 @@ static sdr_status remove_old(const char *directory)
 sdr_status sdr_rundir_open(const char *directory, int resume, int *lock)
 {
   int file = -1;
-  SDR_TRY(make_directory(directory));
+  size_t made;
+  SDR_TRY(make_directory(directory, &made));
   SDR_TRY(take_lock(directory, &file));
   const sdr_status status = resume ? SDR_OK : remove_old(directory);
   if (status == SDR_OK)

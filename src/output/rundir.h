@@ -13,6 +13,10 @@
 sdr_status sdr_rundir_open(const char *directory, int resume, int *lock);
 void sdr_rundir_close(const char *directory, int lock);
 
+/* SDR_IO_ERROR where sdr_rundir_open would fail to make `directory` or to write there; leaves no
+   directory that was not there. */
+sdr_status sdr_rundir_try(const char *directory);
+
 /* Remove what says that a run is complete (summary.json, pictures): a finished run goes on. */
 sdr_status sdr_rundir_reopen(const char *directory);
 

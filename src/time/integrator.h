@@ -11,6 +11,9 @@ typedef struct {
   /* First force of a system at t = 0 with u and v set; dt is the length of all steps (s), of those
      that choose theirs the longest. */
   sdr_status (*start)(sdr_system *system, double dt);
+  /* What start or the first step would refuse about the supports, found without solving anything;
+     leaves the system at rest. NULL: nothing is. */
+  sdr_status (*held)(sdr_system *system, double dt);
   /* One step: system->time and step move on, u, v, f are those of the new time. One that chooses
      its steps ends no later than system->how->end, and at every moment at which a load or support
      has a kink. */

@@ -87,6 +87,16 @@ static sdr_status make_work(sdr_system *system, sdr_static_work *w)
   return w->method->create(w->equilibrium, &w->state);
 }
 
+static sdr_status held(sdr_system *system, double dt)
+{
+  sdr_implicit *implicit = NULL;
+  (void)dt;
+  SDR_TRY(sdr_implicit_create(system, &implicit));
+  const sdr_status status = check_held(system, implicit);
+  sdr_implicit_destroy(&implicit);
+  return status;
+}
+
 /* The system's u is an equilibrium: what acts there, and its energy. */
 static void look_at_present(sdr_static_work *w)
 {
@@ -372,6 +382,7 @@ static sdr_status start(sdr_system *system, double dt)
 const sdr_integrator sdr_static = {.name = "static",
                                    .doc = "equilibria under loads and supports that change slowly",
                                    .start = start,
+                                   .held = held,
                                    .step = step,
                                    .restart = restart,
                                    .chooses = 1,

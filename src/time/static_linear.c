@@ -77,6 +77,13 @@ static sdr_status constrain(problem *p)
                                 p->slaves.count > 0 ? &p->slaves : NULL, &p->constraints);
 }
 
+static sdr_status hold(problem *p)
+{
+  SDR_TRY(constrain(p));
+  if (p->slaves.count > 0) return SDR_OK;
+  return sdr_rigid_held(p->system->model->points, p->constraints.prescribed);
+}
+
 static sdr_status take_loads(problem *p)
 {
   sdr_system *system = p->system;
@@ -126,9 +133,7 @@ static sdr_status set_up(problem *p)
   p->force = sdr_alloc(unknowns, sizeof(double));
   if (!p->load || !p->u || !p->force) return SDR_RUN_FAILED;
   const double from = wall();
-  SDR_TRY(constrain(p));
-  if (p->slaves.count == 0)
-    SDR_TRY(sdr_rigid_held(p->system->model->points, p->constraints.prescribed));
+  SDR_TRY(hold(p));
   SDR_TRY(take_loads(p));
   SDR_TRY(assemble(p));
   SDR_TRY(make_right_side(p));
@@ -293,6 +298,17 @@ static sdr_status step(sdr_system *system, double dt)
   return status;
 }
 
+static sdr_status held(sdr_system *system, double dt)
+{
+  problem p = {.system = system, .unknowns = system->count * system->components};
+  const double now = system->time;
+  system->time = dt;
+  const sdr_status status = hold(&p);
+  system->time = now;
+  problem_destroy(&p);
+  return status;
+}
+
 /* Before the loads: the reference shape at rest. */
 static sdr_status start(sdr_system *system, double dt)
 {
@@ -311,5 +327,6 @@ const sdr_integrator sdr_static_linear = {
     .name = "static_linear",
     .doc = "the linear static solution under the loads at the end",
     .start = start,
+    .held = held,
     .step = step,
     .is_static = 1};

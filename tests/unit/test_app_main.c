@@ -160,9 +160,17 @@ static void check_refuses_what_run_would_refuse(void **state)
 {
   (void)state;
   static const char *const sets[] = {
-      "figures='{speed: {low: 1}}'", "time.step='20 us'",
-      "output.probes='[{name: p, at: [0.1, 0], fields: [fragment]}]'", "horizon='3 mm'",
-      "supports='[{on: {disc: {radius: 1 mm}}, displacement: {x: 0}}]'"};
+      "figures='{speed: {low: 1}}'",
+      "time.step='20 us'",
+      "output.probes='[{name: p, at: [0.1, 0], fields: [fragment]}]'",
+      "horizon='3 mm'",
+      "supports='[{on: {disc: {radius: 1 mm}}, displacement: {x: 0}}]'",
+      "output.cracks='{tips: {notch: {start: [0, 0]}}}'",
+      "damage.law=none --set time='{integrator: static}'",
+      "damage.law=none --set time='{integrator: static}' --set supports='[{on: outer, "
+      "displacement: "
+      "{x: 0}}]'",
+      "time='{integrator: static}'"};
   for (size_t k = 0; k < sizeof sets / sizeof *sets; ++k) {
     char command[300];
     said checked, ran;
@@ -176,6 +184,20 @@ static void check_refuses_what_run_would_refuse(void **state)
     assert_string_equal(checked.err, ran.err);
     assert_int_equal(strncmp(checked.err, "sunder: ", 8), 0);
   }
+}
+
+static void check_refuses_a_directory_that_run_could_not_make(void **state)
+{
+  (void)state;
+  said s;
+  refuse(&s, "sunder check " COARSE " --set output.directory=/proc/nope", 3,
+         "sunder: cannot make the directory /proc/nope: No such file or directory\n");
+  refuse(&s, "touch taken && sunder check " COARSE " --set output.directory=taken", 3,
+         "sunder: cannot use taken as the run's directory: it is a file\n");
+  refuse(&s, "sunder check nom_poisson --set output.directory=/proc/nope", 3,
+         "sunder: cannot make the directory /proc/nope: No such file or directory\n");
+  succeed(&s, "sunder check " COARSE " --set output.directory=new/folder/");
+  assert_false(exists("new"));
 }
 
 static void results_go_to_stdout_and_progress_to_stderr(void **state)
@@ -281,6 +303,7 @@ int main(void)
       cmocka_unit_test(check_tells_what_would_run_and_runs_nothing),
       cmocka_unit_test(check_tells_the_strength_of_laws_that_soften),
       cmocka_unit_test(check_refuses_what_run_would_refuse),
+      cmocka_unit_test(check_refuses_a_directory_that_run_could_not_make),
       cmocka_unit_test(results_go_to_stdout_and_progress_to_stderr),
       cmocka_unit_test(a_directory_is_named_after_scene_and_variant),
       cmocka_unit_test(a_folder_with_a_scene_is_a_scene),

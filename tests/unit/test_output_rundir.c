@@ -18,6 +18,20 @@ static void directories_are_made_with_their_parents(void **state)
   body_destroy(&b);
 }
 
+static void trying_a_directory_leaves_nothing_new(void **state)
+{
+  (void)state;
+  body b;
+  body_create(&b, 1, 1);
+  assert_int_equal(sdr_rundir_try(body_path(&b, "new//deep/folder/")), SDR_OK);
+  assert_false(body_has(&b, "new"));
+  assert_int_equal(sdr_rundir_try(b.directory), SDR_OK);
+  body_write(&b, "file", "mine");
+  assert_int_equal(sdr_rundir_try(body_path(&b, "file/below")), SDR_IO_ERROR);
+  assert_true(body_has(&b, "file"));
+  body_destroy(&b);
+}
+
 static const char *const ours[] = {
     "summary.json", "history.csv",       "snapshots.h5",       "snapshots.xdmf", "checkpoint.h5",
     "used.yaml",    "damage.png",        "energy_density.png", "ledger.png",     "stress.xx.png",
@@ -205,6 +219,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(directories_are_made_with_their_parents),
+      cmocka_unit_test(trying_a_directory_leaves_nothing_new),
       cmocka_unit_test(a_new_run_removes_our_files_and_no_others),
       cmocka_unit_test(a_resumed_run_keeps_all_until_it_goes_on),
       cmocka_unit_test(a_directory_in_use_is_refused_with_the_process_and_left_alone),
