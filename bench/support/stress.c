@@ -27,25 +27,26 @@ static void step_over_limit(FILE *out, int variant, double level)
           0.36985 * level);
 }
 
+/* A plate that is stretched and bent by how it starts. */
+static void moving_plate(FILE *out, const char *law)
+{
+  plate(out, "model: bond_based", law, "");
+  fprintf(out, "initial: {velocity: [\"20 m/s * sin(x/(8 mm))\", \"15 m/s * y/(10 mm)\"]}\n");
+}
+
 static void long_steps(FILE *out, int variant, double level)
 {
   static const char *const how[] = {"integrator: energy_momentum", "integrator: energy_momentum",
                                     "integrator: leapfrog, allow_unstable: true"};
-  plate(out, "model: bond_based", laws[variant == 1], "");
-  fprintf(out,
-          "initial: {velocity: [\"20 m/s * sin(x/(8 mm))\", \"15 m/s * y/(10 mm)\"]}\n"
-          "time: {%s, step: %.6g us, end: 100 us}\n",
-          how[variant], 0.2 * level);
+  moving_plate(out, laws[variant == 1]);
+  fprintf(out, "time: {%s, step: %.6g us, end: 100 us}\n", how[variant], 0.2 * level);
 }
 
 static void tolerances(FILE *out, int variant, double level)
 {
   static const char *const how[] = {"cvode", "cvode, method: adams", "ida"};
-  plate(out, "model: bond_based", "variational", "");
-  fprintf(out,
-          "initial: {velocity: [\"20 m/s * sin(x/(8 mm))\", \"15 m/s * y/(10 mm)\"]}\n"
-          "time: {integrator: %s, tolerance: %g, end: 20 us}\n",
-          how[variant], level);
+  moving_plate(out, "variational");
+  fprintf(out, "time: {integrator: %s, tolerance: %g, end: 20 us}\n", how[variant], level);
 }
 
 static const char *const strained[] = {"model: bond_based",
@@ -207,20 +208,25 @@ static void put_ring(FILE *out, const ring *r)
           1e-4 * r->time, 1e-5 * r->time, 0.8e-6 * r->time, 80e-6 * r->time);
 }
 
-static void pressures(FILE *out, int variant, double level)
+/* With ell for the laws that have one: variational and at1. */
+static ring ring_of(int law)
 {
   ring r = as_is;
-  r.law = laws[variant];
-  if (variant != 1 && variant != 3) r.ell = "";
+  r.law = laws[law];
+  if (law % 2 == 0) r.ell = "";
+  return r;
+}
+
+static void pressures(FILE *out, int variant, double level)
+{
+  ring r = ring_of(variant);
   r.pressure = level;
   put_ring(out, &r);
 }
 
 static void toughnesses(FILE *out, int variant, double level)
 {
-  ring r = as_is;
-  r.law = laws[variant + 1];
-  if (variant == 1) r.ell = "";
+  ring r = ring_of(variant + 1);
   r.toughness = level;
   put_ring(out, &r);
 }
@@ -244,10 +250,8 @@ static void units(FILE *out, int variant, double level)
 
 static void offsets(FILE *out, int variant, double level)
 {
-  ring r = as_is;
+  ring r = ring_of(variant);
   r.away = level;
-  r.law = laws[variant];
-  if (variant != 1) r.ell = "";
   put_ring(out, &r);
 }
 
