@@ -3,6 +3,7 @@
 #include "app/body.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "damage/calibration.h"
 #include "damage/laws.h"
 #include "geometry/cracks.h"
 #include "geometry/import.h"
@@ -169,6 +170,23 @@ SDR_PRINTF(2, 3) static void warn(sdr_built *built, const char *format, ...)
   va_end(arguments);
 }
 
+/* Bonds along the axes of a lattice only, as within a horizon of one spacing, resist no shear. */
+static void warn_of_shear(sdr_built *built)
+{
+  const sdr_scene *scene = built->scene;
+  if (scene->model != SDR_BOND_BASED || scene->dimension == SDR_1D) return;
+  for (int k = 0; k < built->families->count; ++k) {
+    const sdr_family *family = &built->families->family[k];
+    const sdr_effective_stiffness s = sdr_stiffness_of(scene->dimension, family, 1.0, 1.0);
+    if (s.c66 > 0.01 * s.c11) continue;
+    warn(built,
+         "the body has no shear stiffness: a horizon of %.4g spacings holds bonds along the axes "
+         "of the lattice only; give at least 1.5 spacings, 3.015 as a rule (horizon)",
+         family->horizon / family->spacing);
+    return;
+  }
+}
+
 /* One step, as long as the run. */
 static void choose_static(sdr_built *built)
 {
@@ -279,6 +297,7 @@ static sdr_status build_parts(sdr_built *built)
     return sdr_fail(SDR_BAD_INPUT, "there is no integrator '%s'", built->scene->time.integrator);
   if (built->scene->one_sided)
     warn(built, "family.dual is false: a point feels its own family only, so momentum is not kept");
+  warn_of_shear(built);
   SDR_TRY(choose_step(built));
   choose_onset(built);
   list_skipped(built);

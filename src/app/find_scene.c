@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #ifndef SUNDER_PROBLEMS_DIR
 #define SUNDER_PROBLEMS_DIR "problems"
@@ -18,12 +19,35 @@ static int is_file(const char *path)
   return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
 }
 
+/* Where an installed program has its problems: share/sunder beside its bin. */
+static const char *installed_folder(void)
+{
+  static char path[SDR_SCENE_PATH];
+  static const char beside[] = "/../share/sunder/problems";
+  const ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof beside);
+  if (length <= 0) return "problems";
+  path[length] = '\0';
+  char *slash = strrchr(path, '/');
+  memcpy(slash ? slash : path, beside, sizeof beside);
+  return path;
+}
+
 /* The folders that problems are looked for in; NULL past the last. */
 static const char *problems_folder(int k)
 {
   const char *own = getenv("SUNDER_PROBLEMS");
-  const char *const folders[] = {"problems", own ? own : "problems", SUNDER_PROBLEMS_DIR};
-  return k < 3 ? folders[k] : NULL;
+  switch (k) {
+  case 0:
+    return "problems";
+  case 1:
+    return own ? own : "problems";
+  case 2:
+    return installed_folder();
+  case 3:
+    return SUNDER_PROBLEMS_DIR;
+  default:
+    return NULL;
+  }
 }
 
 /* The first of them that exists. */

@@ -15,10 +15,8 @@ static const char text[] =
 
 static sdr_status run(sdr_built *cylinder)
 {
-  sdr_system *system = cylinder->system;
-  const double step = cylinder->step;
-  SDR_TRY(cylinder->integrator->start(system, step));
-  while (system->step < cylinder->steps) SDR_TRY(cylinder->integrator->step(system, step));
+  SDR_TRY(sdr_built_start(cylinder));
+  while (!sdr_built_is_over(cylinder)) SDR_TRY(sdr_built_step(cylinder));
   return SDR_OK;
 }
 
