@@ -15,14 +15,15 @@ static void put(FILE *out, double value, char after)
 }
 
 static void put_row(FILE *out, const char *name, int32_t arm, int32_t parent,
-                    const sdr_crack_node *path, int32_t count, int32_t k, double window)
+                    const sdr_crack_node *path, int32_t run, int32_t k, double window)
 {
   fprintf(out, "%s,%d,%d,", name, (int)arm, (int)parent);
   put(out, path[k].time, ',');
   put(out, path[k].distance, ',');
   for (int c = 0; c < 3; ++c) put(out, path[k].x[c], ',');
-  put(out, sdr_crack_step_speed(path, count, k), ',');
-  put(out, sdr_crack_speed_at(path, count, k, window), '\n');
+  const double smooth = sdr_crack_speed_at(path, run, k, window);
+  put(out, isnan(smooth) ? smooth : sdr_crack_step_speed(path, run, k), ',');
+  put(out, smooth, '\n');
 }
 
 static sdr_status put_crack(FILE *out, const char *name, const sdr_crack_tree *tree, double window)
@@ -31,8 +32,9 @@ static sdr_status put_crack(FILE *out, const char *name, const sdr_crack_tree *t
   if (!path) return SDR_RUN_FAILED;
   for (int32_t a = 0; a < tree->arm_count; ++a) {
     const int32_t count = sdr_crack_path(tree, a, path);
+    const int32_t run = sdr_crack_run_up(path, count, window);
     for (int32_t k = count - tree->arm[a].count; k < count; ++k)
-      put_row(out, name, a, tree->arm[a].parent, path, count, k, window);
+      put_row(out, name, a, tree->arm[a].parent, path, run, k, window);
   }
   sdr_free(path);
   return SDR_OK;

@@ -9,9 +9,19 @@ static double distance_between(const double a[3], const double b[3])
   return sqrt(sum);
 }
 
+int32_t sdr_crack_run_up(const sdr_crack_node *path, int32_t count, double window)
+{
+  for (int32_t k = 0, first = 0; k < count; ++k) {
+    if (path[k].time > path[first].time) first = k;
+    if (first > 0 && path[k].distance - path[first].distance > window * (1.0 + 1e-9)) return first;
+  }
+  return count;
+}
+
 double sdr_crack_step_speed(const sdr_crack_node *path, int32_t count, int32_t k)
 {
   int32_t before = k < count ? k - 1 : -1;
+  if (k + 1 < count && !(path[k].time < path[k + 1].time)) return (double)NAN;
   while (before >= 0 && !(path[before].time < path[k].time)) --before;
   if (before < 0) return (double)NAN;
   return distance_between(path[k].x, path[before].x) / (path[k].time - path[before].time);
@@ -24,6 +34,19 @@ static int lies_within(double distance, double from, double to)
   return distance >= from - slack && distance <= to + slack;
 }
 
+/* Whether times of the nodes from distance `from` to `to` tell how long the way took. */
+static int is_timed(const sdr_crack_node *path, int32_t count, double from, double to)
+{
+  int different = 0;
+  double latest = 0.0;
+  for (int32_t k = 0; k < count && different < 3; ++k) {
+    if (!lies_within(path[k].distance, from, to)) continue;
+    different += different == 0 || path[k].time > latest;
+    latest = path[k].time;
+  }
+  return different >= 3;
+}
+
 double sdr_crack_speed(const sdr_crack_node *path, int32_t count, double from, double to)
 {
   double n = 0.0, mean_s = 0.0, mean_t = 0.0, ss = 0.0, st = 0.0;
@@ -33,7 +56,7 @@ double sdr_crack_speed(const sdr_crack_node *path, int32_t count, double from, d
     mean_s += path[k].distance;
     mean_t += path[k].time;
   }
-  if (n < 2.0) return (double)NAN;
+  if (!is_timed(path, count, from, to)) return (double)NAN;
   mean_s /= n;
   mean_t /= n;
   for (int32_t k = 0; k < count; ++k) {
@@ -77,7 +100,8 @@ static int32_t node_at(const sdr_crack_node *path, int32_t count, double distanc
 double sdr_crack_mean_speed(const sdr_crack_node *path, int32_t count, double from)
 {
   const int32_t k = node_at(path, count, from), last = count - 1;
-  if (k >= count || !(path[last].time > path[k].time)) return (double)NAN;
+  if (k >= count || !is_timed(path, count, path[k].distance, path[last].distance))
+    return (double)NAN;
   return (path[last].distance - path[k].distance) / (path[last].time - path[k].time);
 }
 

@@ -4,10 +4,17 @@
 
 #include "output/crack_tree.h"
 
-/* Paths are `count` nodes by distance, as sdr_crack_path gives them. NAN: there are too few. */
+/* Paths are `count` nodes by distance, as sdr_crack_path gives them. NAN: not known. Times are
+   those of looks, so nodes that were passed between two looks share one. A slope or a mean is known
+   only over three different times: a whole interval between looks lies within. */
+
+/* How many nodes there are before the crack jumped: passed more than `window` (m) of nodes, the
+   first ones excepted, between two looks, where a ligament fails at once and no tip runs. Speeds
+   are those of the path up to there. */
+int32_t sdr_crack_run_up(const sdr_crack_node *path, int32_t count, double window);
 
 /* Speed at node k by two places: the way from the latest node with an earlier time over the time
-   it took, m/s (000 eq. 59). */
+   it took, m/s (000 eq. 59). Of nodes that share a time, only the farthest has one. */
 double sdr_crack_step_speed(const sdr_crack_node *path, int32_t count, int32_t k);
 
 /* Speed, m/s: the slope, by least squares, of distance against arrival times of the nodes from

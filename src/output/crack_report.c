@@ -25,7 +25,8 @@ static sdr_crack_fork fork_of(const sdr_crack_tree *tree, int32_t a, double wind
   fork.distance = node->distance;
   for (int c = 0; c < 3; ++c) fork.x[c] = node->x[c];
   if (at_notch) return fork;
-  const int32_t count = sdr_crack_path(tree, arm->parent, path);
+  int32_t count = sdr_crack_path(tree, arm->parent, path);
+  count = sdr_crack_run_up(path, count, window);
   for (int32_t k = 0; k < count; ++k)
     if (!(path[k].distance < node->distance)) {
       fork.speed = sdr_crack_speed_at(path, count, k, window);
@@ -51,10 +52,11 @@ static void fill_in_path(sdr_crack_report *report, const sdr_crack_how *how,
 {
   double *f = report->figure;
   const int32_t count = sdr_crack_path(&report->tree, 0, path);
+  const int32_t run = sdr_crack_run_up(path, count, how->window);
   f[SDR_CRACK_FIRST_TIME] = path[0].time;
   f[SDR_CRACK_START_TIME] = sdr_crack_time_at(path, count, how->moved);
-  f[SDR_CRACK_MEAN_SPEED] = sdr_crack_mean_speed(path, count, how->moved);
-  f[SDR_CRACK_MAX_SPEED] = sdr_crack_largest_speed(path, count, how->moved, how->window);
+  f[SDR_CRACK_MEAN_SPEED] = sdr_crack_mean_speed(path, run, how->moved);
+  f[SDR_CRACK_MAX_SPEED] = sdr_crack_largest_speed(path, run, how->moved, how->window);
   f[SDR_CRACK_RAYLEIGH_SHARE] = f[SDR_CRACK_MAX_SPEED] / how->rayleigh;
   f[SDR_CRACK_ANGLE] = sdr_crack_angle(path, count, direction, fit[0], fit[1]);
 }

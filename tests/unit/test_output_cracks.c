@@ -137,6 +137,34 @@ static void the_slope_smooths_times_between_looks(void **state)
   end(c);
 }
 
+/* The first 10 m run at 2 m/s; the rest fails between two looks. */
+static void a_ligament_that_fails_at_once_has_no_speed(void **state)
+{
+  (void)state;
+  crack *c = begin(2);
+  add_piece(c, (double[2]){0.0, 0.0}, 30.0, 0.0, 0.0, 2.0, 1);
+  for (int k = 0; k < c->count; ++k)
+    if (c->x[k][0] > 10.0) c->arrival[k] = 1.1967e-05 + 8.0;
+  follow(c, 10.0, HUGE_VAL, 8.0);
+  const sdr_crack_node *path = c->path;
+  const int32_t run = sdr_crack_run_up(path, c->length, 6.0);
+  assert_int_equal(c->length, 30);
+  assert_int_equal(run, 10);
+  assert_int_equal(sdr_crack_run_up(path, c->length, 20.0), 30);
+  assert_near(sdr_crack_largest_speed(path, run, 4.5, 4.0), 2.0, 1e-9);
+  assert_near(sdr_crack_mean_speed(path, run, 4.5), 2.0, 0.02);
+  assert_true(isnan(sdr_crack_speed_at(path, run, 10, 6.0)));
+  assert_true(isnan(sdr_crack_speed(path, c->length, 12.0, 18.0))); /* one time */
+  assert_true(isnan(sdr_crack_speed(path, c->length, 9.0, 15.0)));  /* two */
+  assert_true(isnan(sdr_crack_speed_at(path, c->length, 20, 6.0)));
+  assert_true(isnan(sdr_crack_largest_speed(path, c->length, 10.0, 6.0)));
+  assert_true(isnan(sdr_crack_mean_speed(path, c->length, 9.0)));
+  assert_true(isnan(sdr_crack_step_speed(path, c->length, 20)));
+  assert_near(sdr_crack_step_speed(path, c->length, 5), 2.0, 1e-9);
+  assert_true(sdr_crack_step_speed(path, c->length, c->length - 1) > 6.0); /* the farthest has */
+  end(c);
+}
+
 static void a_branch_is_found_where_and_when_it_is(void **state)
 {
   (void)state;
@@ -482,6 +510,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_straight_tip_has_the_speed_it_was_given),
       cmocka_unit_test(the_slope_smooths_times_between_looks),
+      cmocka_unit_test(a_ligament_that_fails_at_once_has_no_speed),
       cmocka_unit_test(a_branch_is_found_where_and_when_it_is),
       cmocka_unit_test(an_arm_counts_when_it_is_long_enough),
       cmocka_unit_test(a_tip_stays_with_its_notch),
