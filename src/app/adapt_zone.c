@@ -15,10 +15,11 @@ typedef struct {
 struct sdr_adapt_zone {
   const sdr_scene *scene;
   const sdr_adapt_scene *how;
-  double neighbours;            /* m */
-  int32_t low[3], extent[3];    /* of the coarsest cells */
-  uint8_t *seed, *within, *far; /* a cell */
-  int32_t *seeds;               /* cells with seeds */
+  double neighbours;         /* m */
+  double ahead, far;         /* coarsest cells; far: with neighbours */
+  int32_t low[3], extent[3]; /* of the coarsest cells */
+  uint8_t *seed, *chosen;    /* a cell */
+  int32_t *seeds;            /* cells with seeds */
   size_t cells;
   ball near_ball, far_ball;
 };
@@ -89,15 +90,15 @@ static sdr_status fill(sdr_adapt_zone *zone, const sdr_points *points)
   for (int32_t i = 0; i < points->count; ++i) horizon = fmax(horizon, points->horizon[i]);
   zone->neighbours = length_of(zone->how->neighbours, horizon);
   const double h = points->lattice_spacing;
-  const double far = zone->neighbours + length_of(zone->how->ahead, horizon);
+  zone->ahead = length_of(zone->how->ahead, horizon) / h;
+  zone->far = zone->neighbours / h + zone->ahead;
   find_extent(zone, points);
   zone->seed = sdr_alloc(zone->cells, 1);
-  zone->within = sdr_alloc(zone->cells, 1);
-  zone->far = sdr_alloc(zone->cells, 1);
+  zone->chosen = sdr_alloc(zone->cells, 1);
   zone->seeds = sdr_alloc(3 * zone->cells, sizeof *zone->seeds);
-  if (!zone->seed || !zone->within || !zone->far || !zone->seeds) return SDR_RUN_FAILED;
+  if (!zone->seed || !zone->chosen || !zone->seeds) return SDR_RUN_FAILED;
   SDR_TRY(make_ball(points->components, zone->neighbours / h, &zone->near_ball));
-  return make_ball(points->components, far / h, &zone->far_ball);
+  return make_ball(points->components, zone->far, &zone->far_ball);
 }
 
 sdr_status sdr_adapt_zone_create(const sdr_scene *scene, const sdr_points *points,
@@ -120,8 +121,7 @@ void sdr_adapt_zone_destroy(sdr_adapt_zone **zone)
   sdr_adapt_zone *z = *zone;
   if (!z) return;
   sdr_free(z->seed);
-  sdr_free(z->within);
-  sdr_free(z->far);
+  sdr_free(z->chosen);
   sdr_free(z->seeds);
   sdr_free(z->near_ball.step);
   sdr_free(z->far_ball.step);
@@ -155,19 +155,72 @@ static size_t find_seeds(sdr_adapt_zone *zone, const sdr_points *points, const d
   return count;
 }
 
-static void spread(const sdr_adapt_zone *zone, size_t seeds, const ball *over, uint8_t *out)
+/* The index of a cell beside another; 0: it lies outside. */
+static int beside(const sdr_adapt_zone *zone, const int32_t cell[3], const int32_t step[3],
+                  size_t *index)
 {
-  memset(out, 0, zone->cells);
-  for (size_t s = 0; s < seeds; ++s)
-    for (int k = 0; k < over->count; ++k) {
-      int32_t cell[3];
-      int inside = 1;
-      for (int a = 0; a < 3; ++a) {
-        cell[a] = zone->seeds[3 * s + (size_t)a] + over->step[3 * k + a];
-        inside &= cell[a] >= zone->low[a] && cell[a] < zone->low[a] + zone->extent[a];
-      }
-      if (inside) out[index_of(zone, cell)] = 1;
+  int32_t at[3];
+  for (int a = 0; a < 3; ++a) {
+    at[a] = cell[a] + step[a];
+    if (at[a] < zone->low[a] || at[a] >= zone->low[a] + zone->extent[a]) return 0;
+  }
+  *index = index_of(zone, at);
+  return 1;
+}
+
+static void mark_ball(sdr_adapt_zone *zone, const int32_t cell[3], const ball *over)
+{
+  size_t index;
+  for (int k = 0; k < over->count; ++k)
+    if (beside(zone, cell, over->step + 3 * k, &index)) zone->chosen[index] = 1;
+}
+
+static void spread(sdr_adapt_zone *zone, size_t seeds, const ball *over)
+{
+  memset(zone->chosen, 0, zone->cells);
+  for (size_t s = 0; s < seeds; ++s) mark_ball(zone, zone->seeds + 3 * s, over);
+}
+
+/* Where damage goes from a seed: away from the mean place of those around it. Along a crack that is
+   the seed itself; at a tip, with `far` of the crack behind it, it is nearly half as far off.
+   Returns 0 and no direction below sqrt(1/8) of it. */
+static int heads_on(const sdr_adapt_zone *zone, const int32_t cell[3], double way[3])
+{
+  int64_t sum[3] = {0}, count = 0;
+  double square = 0.0;
+  size_t index;
+  for (int k = 0; k < zone->far_ball.count; ++k) {
+    const int32_t *step = zone->far_ball.step + 3 * k;
+    if (!beside(zone, cell, step, &index) || !zone->seed[index]) continue;
+    for (int a = 0; a < 3; ++a) sum[a] += step[a];
+    ++count;
+  }
+  for (int a = 0; a < 3; ++a) {
+    way[a] = -(double)sum[a] / (double)count; /* the seed is one */
+    square += way[a] * way[a];
+  }
+  if (!(8.0 * square > zone->far * zone->far)) return 0;
+  for (int a = 0; a < 3; ++a) way[a] /= sqrt(square);
+  return 1;
+}
+
+/* Choose what is within `neighbours` of the ways on from tips; in all directions, and farther,
+   where there is none. */
+static void spread_ahead(sdr_adapt_zone *zone, size_t seeds)
+{
+  int tips = 0;
+  double way[3];
+  for (size_t s = 0; s < seeds; ++s) {
+    const int32_t *cell = zone->seeds + 3 * s;
+    if (!heads_on(zone, cell, way)) continue;
+    tips = 1;
+    for (double on = fmin(1.0, zone->ahead); on <= zone->ahead && on > 0.0; on += 1.0) {
+      int32_t at[3];
+      for (int a = 0; a < 3; ++a) at[a] = cell[a] + (int32_t)lround(on * way[a]);
+      mark_ball(zone, at, &zone->near_ball);
     }
+  }
+  if (!tips) spread(zone, seeds, &zone->far_ball);
 }
 
 static int may_split(const sdr_adapt_zone *zone, const sdr_points *points, const sdr_row *row,
@@ -181,8 +234,7 @@ static int may_split(const sdr_adapt_zone *zone, const sdr_points *points, const
 }
 
 /* Points that may split in chosen cells: count, and mark if `split`. */
-static int32_t pick(const sdr_adapt_zone *zone, const sdr_points *points, const uint8_t *chosen,
-                    uint8_t *split)
+static int32_t pick(const sdr_adapt_zone *zone, const sdr_points *points, uint8_t *split)
 {
   int32_t count = 0;
   for (int r = 0; r < points->row_count; ++r) {
@@ -190,7 +242,8 @@ static int32_t pick(const sdr_adapt_zone *zone, const sdr_points *points, const 
     for (int32_t k = 0; k < row->length; ++k) {
       int32_t cell[3];
       cell_of(points, row, k, cell);
-      if (!chosen[index_of(zone, cell)] || !may_split(zone, points, row, row->first + k)) continue;
+      if (!zone->chosen[index_of(zone, cell)] || !may_split(zone, points, row, row->first + k))
+        continue;
       ++count;
       if (split) split[row->first + k] = 1;
     }
@@ -204,8 +257,8 @@ int32_t sdr_adapt_zone_choose(sdr_adapt_zone *zone, const sdr_points *points, co
   memset(split, 0, (size_t)points->count);
   const size_t seeds = find_seeds(zone, points, energy, damage);
   if (seeds == 0) return 0;
-  spread(zone, seeds, &zone->near_ball, zone->within);
-  if (pick(zone, points, zone->within, NULL) == 0) return 0;
-  spread(zone, seeds, &zone->far_ball, zone->far);
-  return pick(zone, points, zone->far, split);
+  spread(zone, seeds, &zone->near_ball);
+  if (pick(zone, points, NULL) == 0) return 0;
+  spread_ahead(zone, seeds);
+  return pick(zone, points, split);
 }

@@ -15,8 +15,9 @@ void sdr_adapt_zone_destroy(sdr_adapt_zone **zone); /* NULL-safe */
 
 /* split[i] = 1 for the points that must split now, by the energy per volume and the damage of each;
    returns how many. A point over a threshold is a seed. If some point that may split (its level and
-   place allow it) lies within `neighbours` of a seed, all that may within `neighbours` + `ahead`
-   do; else none. Distances are those between the middles of coarsest cells. */
+   place allow it) lies within `neighbours` of a seed, all that may there do, and within that of the
+   way, `ahead` long, that damage takes on from each tip; without a tip all within `neighbours` +
+   `ahead`. Else none. Distances are those between the middles of coarsest cells. */
 int32_t sdr_adapt_zone_choose(sdr_adapt_zone *zone, const sdr_points *points, const double *energy,
                               const double *damage, uint8_t *split);
 

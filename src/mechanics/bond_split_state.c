@@ -187,12 +187,15 @@ static void add_lost_stripe(void *context, int s)
   }
 }
 
-static void add_lost_loose(void *context, const sdr_pair *pair)
+static void add_lost_loose(const state_call *call, int32_t i)
 {
-  const state_call *call = context;
-  const sdr_flags flags = call->model->body.loose_flags[pair->slot];
-  if (pair->weight_ij > 0.0 && (flags & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I)
-    call->damage[pair->i] += call->model->head.points->volume[pair->j];
+  const sdr_bond_body *body = &call->model->body;
+  const sdr_loose *loose = &body->bonds->loose;
+  int64_t slot;
+  for (const int64_t end = sdr_loose_slots(loose, i, &slot); slot < end; slot += SDR_LANES)
+    if ((body->loose_flags[slot] & (SDR_LOST_I | SDR_CUT)) == SDR_LOST_I &&
+        loose->weight_ij[slot] > 0.0)
+      call->damage[i] += body->points->volume[loose->j[slot]];
 }
 
 static sdr_status lost_shares(sdr_bond_model *model, double *damage)
@@ -205,8 +208,7 @@ static sdr_status lost_shares(sdr_bond_model *model, double *damage)
   memset(damage, 0, (size_t)points->count * sizeof *damage);
   if (body->flags) sdr_each_stripe(points, add_lost_stripe, &call);
   if (body->loose_flags && any_lost(body->loose_flags, loose->slot_count))
-    for (int32_t i = 0; i < points->count; ++i)
-      sdr_bonds_visit_loose_point(model->bonds, i, add_lost_loose, &call);
+    for (int32_t i = 0; i < points->count; ++i) add_lost_loose(&call, i);
   for (int32_t i = 0; i < points->count; ++i)
     if (damage[i] > 0.0) damage[i] /= model->family_volume[i];
   return SDR_OK;

@@ -1,5 +1,6 @@
 /* Points that split while a run goes on: what stays, what is handed over, and what it books. */
 #include "app/adapt.h"
+#include "app/adapt_zone.h"
 #include "app/body.h"
 #include "base/memory.h"
 #include "base/small.h"
@@ -229,7 +230,7 @@ static void a_linear_motion_is_handed_over_exactly(void **state)
 #define NOTCH                                                                                      \
   "dimension: plane_stress\n"                                                                      \
   "points: {shape: {box: {from: [0, -10 mm], to: [40 mm, 10 mm]}}, spacing: 1 mm, align: cell,\n"  \
-  "  adapt: {energy: 12 kJ/m^3, damage: %s}}\n"                                                    \
+  "  adapt: {energy: 12 kJ/m^3, damage: %s, ahead: 3 horizon}}\n"                                  \
   "material: {model: bond_based, young: 72 GPa, density: 2440 kg/m^3, toughness: 135 J/m^2}\n"     \
   "damage: {law: %s, protect: [{box: {from: [36 mm, -10 mm], to: [40 mm, 10 mm]}}]}\n"             \
   "cracks: [{segment: {from: [0, 0], to: [20 mm, 0]}}]\n"                                          \
@@ -419,6 +420,40 @@ static void borders_between_levels_do_not_shorten_the_stable_step(void **state)
   check_limits(SHEET, 4);
 }
 
+/* Damage along a line from the notch on: points split around it and ahead of its tip, farther
+   than beside it. A lone damaged point has no direction. */
+static void points_split_ahead_of_a_tip_and_not_beside_the_crack(void **state)
+{
+  (void)state;
+  run r = {0};
+  sdr_adapt_zone *zone = NULL;
+  double energy[MOST] = {0.0}, damage[MOST] = {0.0};
+  uint8_t split[MOST];
+  scene_build(&r.built, NOTCH, "2 %", "critical_stretch", 0.9);
+  const sdr_points *points = r.built.points;
+  sdr_adapt_scene *how = r.built.scene->points.adapt;
+  how->neighbours = (sdr_length){3e-3, 0};
+  how->ahead = (sdr_length){5e-3, 0};
+  assert_int_equal(sdr_adapt_zone_create(r.built.scene, points, &zone), SDR_OK);
+  for (int32_t i = 0; i < points->count; ++i)
+    damage[i] = fabs(points->x[1][i]) < 1e-3 && points->x[0][i] > 0.01 && points->x[0][i] < 0.02;
+  assert_true(sdr_adapt_zone_choose(zone, points, energy, damage, split) > 0);
+  double front = 0.0, side = 0.0;
+  for (int32_t i = 0; i < points->count; ++i) {
+    if (!split[i]) continue;
+    front = fmax(front, points->x[0][i]);
+    side = fmax(side, fabs(points->x[1][i]));
+  }
+  assert_true(fabs(front - 27.5e-3) < 1e-6);
+  assert_true(side < 4.6e-3); /* a cell more than `neighbours`: ways from a tip's corners spread */
+  memset(damage, 0, sizeof damage);
+  const double middle[3] = {0.0205, 0.0005, 0.0};
+  damage[sdr_points_nearest(points, middle)] = 1.0;
+  assert_int_equal(sdr_adapt_zone_choose(zone, points, energy, damage, split), 197);
+  sdr_adapt_zone_destroy(&zone);
+  sdr_built_destroy(&r.built);
+}
+
 /* A point splits once at a look, to the level asked for after as many looks. */
 static void points_reach_the_level_asked_for(void **state)
 {
@@ -449,6 +484,7 @@ int main(void)
       cmocka_unit_test(the_books_close_over_many_splits),
       cmocka_unit_test(a_symmetric_plate_stays_symmetric),
       cmocka_unit_test(borders_between_levels_do_not_shorten_the_stable_step),
+      cmocka_unit_test(points_split_ahead_of_a_tip_and_not_beside_the_crack),
       cmocka_unit_test(points_reach_the_level_asked_for),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
