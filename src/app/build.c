@@ -180,7 +180,8 @@ static void warn_of_shear(sdr_built *built)
     const sdr_effective_stiffness s = sdr_stiffness_of(scene->dimension, family, 1.0, 1.0);
     if (s.c66 > 0.01 * s.c11) continue;
     warn(built,
-         "the body has no shear stiffness: a horizon of %.4g spacings holds bonds along the axes "
+         "the body has no shear stiffness: a horizon of %.4g times the spacing holds bonds along "
+         "the axes "
          "of the lattice only; give at least 1.5 spacings, 3.015 as a rule (horizon)",
          family->horizon / family->spacing);
     return;

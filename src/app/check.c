@@ -1,6 +1,7 @@
 #include "app/check.h"
 
 #include "app/build.h"
+#include "app/check_body.h"
 #include "app/check_material.h"
 #include "app/directory.h"
 #include "app/figures.h"
@@ -164,6 +165,7 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
   fprintf(out, "kernels             %s, %s precision, %d thread%s\n", built->traits.isa,
           scene->mixed ? "mixed" : "double", sdr_threads(), sdr_threads() == 1 ? "" : "s");
   print_points(built, out);
+  sdr_check_body(built, out);
   SDR_TRY(print_step(built, out));
   print_adapt(built, out);
   print_memory(built, out);

@@ -4,6 +4,7 @@
 #include "damage/bond_law.h"
 #include "damage/calibration.h"
 #include "damage/strength.h"
+#include "output/crack_path.h"
 
 #include <math.h>
 
@@ -156,6 +157,23 @@ static void print_state_based(const sdr_built *built, int index, FILE *out)
     fprintf(out, "  %-17s %.4g\n", "stretch s0", c.critical_stretch);
 }
 
+/* Of long waves in the isotropic body. */
+static void print_waves(const sdr_scene *scene, const sdr_material *material, FILE *out)
+{
+  const double own =
+      scene->model == SDR_BOND_BASED ? sdr_bond_poisson(scene->dimension) : material->poisson;
+  const double nu = scene->dimension == SDR_1D ? 0.0 : own;
+  const double shear = 0.5 * material->young / (1.0 + nu);
+  const double plane = scene->dimension == SDR_PLANE_STRESS ? nu * nu : 2.0 * nu * nu / (1.0 - nu);
+  if (!(material->density > 0.0)) return;
+  fprintf(out, "  waves             longitudinal %.4g m/s",
+          sqrt(material->young / (1.0 - plane) / material->density));
+  if (scene->dimension != SDR_1D)
+    fprintf(out, ", shear %.4g m/s, Rayleigh %.4g m/s", sqrt(shear / material->density),
+            sdr_rayleigh_speed(material->young, nu, material->density));
+  fputc('\n', out);
+}
+
 /* ---- all ------------------------------------------------------------------------------------- */
 
 static void print_weight(const sdr_scene *scene, FILE *out)
@@ -182,6 +200,7 @@ sdr_status sdr_check_materials(const sdr_built *built, FILE *out)
     if (material->scatter_young > 0.0)
       fprintf(out, ", E scattered by %g %%", 100.0 * material->scatter_young);
     fputc('\n', out);
+    print_waves(scene, material, out);
     if (scene->model == SDR_BOND_BASED)
       SDR_TRY(print_bond_based(built, material, out));
     else

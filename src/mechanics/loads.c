@@ -29,6 +29,7 @@ typedef struct {
   const sdr_load *load;
   evaluation how;
   int64_t count, capacity;
+  int32_t points; /* that have a share, each counted once */
   share *shares;
   double *x; /* AT_EACH: 3 per share */
 } term;
@@ -291,6 +292,18 @@ static sdr_status spread_point_force(spreader *s)
   return add_share(s, nearest, load->at, (double[3]){1.0, 1.0, 1.0});
 }
 
+/* Leaves nothing merged. */
+static void count_points(spreader *s)
+{
+  term *t = s->term;
+  for (int64_t k = 0; k < t->count; ++k) {
+    int32_t *mark = &s->merged[t->shares[k].slot];
+    t->points += t->how != AT_EACH || !*mark;
+    *mark = 1;
+  }
+  for (int64_t k = 0; k < t->count; ++k) s->merged[t->shares[k].slot] = 0;
+}
+
 static sdr_status spread(spreader *s)
 {
   const sdr_load *load = s->term->load;
@@ -312,7 +325,7 @@ static sdr_status spread(spreader *s)
     return sdr_fail(SDR_BAD_INPUT, "%s: the %s on '%s' meets no point; choose a place in the body",
                     sdr_origin_text(load->origin), kind_name(load->kind), load->on.text);
   }
-  for (int64_t k = 0; k < s->term->count; ++k) s->merged[s->term->shares[k].slot] = 0;
+  count_points(s);
   return SDR_OK;
 }
 
@@ -396,6 +409,11 @@ void sdr_loads_destroy(sdr_loads **loads)
   sdr_free((*loads)->points);
   sdr_free(*loads);
   *loads = NULL;
+}
+
+int32_t sdr_loads_points_of(const sdr_loads *loads, int index)
+{
+  return loads->terms[index].points;
 }
 
 /* Add what a load gives at time t, `in` being how far it has set in. */

@@ -21,6 +21,9 @@ typedef struct sdr_loads sdr_loads;
 sdr_status sdr_loads_create(const sdr_scene *scene, const sdr_points *points, sdr_loads **out);
 void sdr_loads_destroy(sdr_loads **loads); /* NULL-safe */
 
+/* How many points the load with that index in the scene acts on; 0 for one with a layer. */
+int32_t sdr_loads_points_of(const sdr_loads *loads, int index);
+
 /* Bring the force of every loaded point to time t (N). Formulas are evaluated once per load, but
    at every piece if they use both place and time (slow). Fails where one is not finite. */
 sdr_status sdr_loads_evaluate(sdr_loads *loads, double t);

@@ -115,10 +115,14 @@ static void check_tells_what_would_run_and_runs_nothing(void **state)
       ", double precision, ",
       "points              196556, spacing 0.5 mm, horizon 1.505 mm\n",
       "bonds               5449424 directed, 2724712 pairs: 2724712 in 12874 runs, 0 loose\n",
+      "body                area of the points 0.04914 m^2, of the shape 0.04914 m^2 (+0.0 %); "
+      "mass 385.7 kg\n",
+      "load                pressure on inner: acts on 920 points\n",
       "stable step         0.1832 us; step 0.1 us (0.546 of it), 1000 steps to 100 us\n",
       "memory              ",
       " MB damage history\n",
       "material            body: E 210 GPa, density 7850 kg/m^3, E scattered by 5 %\n",
+      "  waves             longitudinal 5486 m/s, shear 3167 m/s, Rayleigh 2954 m/s\n",
       "  poisson_used      0.3333, the law's own (given 0.3)\n",
       "  micromodulus      ",
       "  c11               ",
@@ -154,6 +158,41 @@ static void check_tells_the_strength_of_laws_that_soften(void **state)
   assert_non_null(strstr(s.out, "(0.723 E s_c)"));
   succeed(&s, "sunder check cohesive_bar --set damage.law=variational");
   assert_non_null(strstr(s.out, "(0.407 E s_c)"));
+}
+
+#define BOX                                                                                        \
+  "sunder check thick_cylinder --variant coarse_4mm --set points.shape='{box: {from: [0, 0], to: " \
+  "[100 mm, 40 mm]}}' --set points.spacing='5 mm' --set loads='[{traction: {on: top, value: [0, "  \
+  "1 Pa]}}]' --set supports='[{name: foot, on: bottom, displacement: {y: 0}}]' --set "             \
+  "output.ring=false "
+
+/* 21 x 9 points of 25 mm^2 in 40 cm^2; with cells inside it 20 x 8 points. */
+static void check_compares_the_points_with_the_shape_and_says_what_holds_them(void **state)
+{
+  (void)state;
+  said s;
+  succeed(&s, BOX);
+  assert_non_null(strstr(s.out,
+                         "body                area of the points 0.004725 m^2, of the shape 0.004 "
+                         "m^2 (+18.1 %); mass 37.09 kg\n"
+                         "hint                points.align: cell puts the edges of cells, not "
+                         "points, on the shape's; or take a finer spacing\n"
+                         "support             foot on bottom: 42 points (y)\n"
+                         "load                traction on top: acts on 21 points\n"));
+  succeed(&s, BOX "--set points.align=cell");
+  assert_non_null(strstr(s.out,
+                         "body                area of the points 0.004 m^2, of the shape 0.004 m^2 "
+                         "(+0.0 %); mass 31.4 kg\n"
+                         "support             foot on bottom: 20 points (y)\n"
+                         "load                traction on top: acts on 20 points\n"));
+  succeed(&s, BOX "--set points.align=cell --set horizon='1 spacing'");
+  assert_non_null(strstr(
+      s.out,
+      "warning             the body has no shear stiffness: a horizon of 1 times the spacing "
+      "holds bonds along the axes of the lattice only; give at least 1.5 spacings, "
+      "3.015 as a rule (horizon)\n"));
+  succeed(&s, BOX "--set points.align=cell --set horizon='1.5 spacing'");
+  assert_null(strstr(s.out, "shear stiffness"));
 }
 
 static void check_refuses_what_run_would_refuse(void **state)
@@ -302,6 +341,7 @@ int main(void)
       cmocka_unit_test(problems_are_listed_one_a_line),
       cmocka_unit_test(check_tells_what_would_run_and_runs_nothing),
       cmocka_unit_test(check_tells_the_strength_of_laws_that_soften),
+      cmocka_unit_test(check_compares_the_points_with_the_shape_and_says_what_holds_them),
       cmocka_unit_test(check_refuses_what_run_would_refuse),
       cmocka_unit_test(check_refuses_a_directory_that_run_could_not_make),
       cmocka_unit_test(results_go_to_stdout_and_progress_to_stderr),
