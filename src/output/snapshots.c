@@ -43,11 +43,13 @@ static snapshots *of(sdr_observer *observer)
   return (snapshots *)(void *)observer;
 }
 
-/* The frame number `next` is wanted at this step, or before it. */
+/* The frame number `next` is wanted at this step, or before it. The last one is that of the last
+   step, which may lie up to a step beyond the end. */
 static int reached(const snapshots *s, const sdr_moment *moment, int next)
 {
   const int wanted = s->scene->output.snapshots;
   if (next > wanted) return 0;
+  if (next == wanted) return moment->last;
   const double target = moment->end * ((double)next / (double)wanted);
   return moment->last || target <= moment->time + moment->step_size * (0.5 - 1e-9);
 }
@@ -268,9 +270,11 @@ static sdr_status resumed(sdr_observer *observer, const sdr_moment *moment)
     latest.last = 0;
     latest.time = s->times[s->frame_count - 1];
     while (reached(s, &latest, s->next)) ++s->next;
+    if (!(latest.time < moment->time)) s->frame_step = moment->step; /* this one's is there */
     SDR_TRY(write_xdmf(s));
   }
-  return due(observer, moment, &unused) ? look(observer, moment) : SDR_OK;
+  const int is_due = s->frame_step != moment->step && due(observer, moment, &unused);
+  return is_due ? look(observer, moment) : SDR_OK;
 }
 
 static sdr_status make_room(snapshots *s)

@@ -103,6 +103,26 @@ static void the_last_step_has_a_frame_even_short_of_the_end(void **state)
   body_destroy(&b);
 }
 
+/* 100 steps of 1 us to 99.4 us: the step before the last is nearer to the end than the last. */
+static void the_last_frame_is_that_of_the_last_step(void **state)
+{
+  (void)state;
+  body b;
+  body_create(&b, 3, 2);
+  name_fields(&b, 2, usual);
+  b.moment.end = 99.4e-6;
+  sdr_observer *observer = make(&b, 2);
+  run(&b, observer, 0, 100);
+  assert_int_equal(observer->ops->finish(observer, &b.moment), SDR_OK);
+  expect_frames(&b, 3, (const int[]){0, 50, 100});
+  /* Resumed where nothing is left to do, it has its last frame. */
+  assert_int_equal(observer->ops->resumed(observer, &b.moment), SDR_OK);
+  assert_int_equal(observer->ops->finish(observer, &b.moment), SDR_OK);
+  expect_frames(&b, 3, (const int[]){0, 50, 100});
+  observer->ops->destroy(observer);
+  body_destroy(&b);
+}
+
 static void no_snapshots_make_no_file(void **state)
 {
   (void)state;
@@ -573,6 +593,7 @@ int main(void)
       cmocka_unit_test(frames_lie_at_the_steps_nearest_to_even_times),
       cmocka_unit_test(steps_longer_than_the_spacing_of_frames_give_a_frame_each),
       cmocka_unit_test(the_last_step_has_a_frame_even_short_of_the_end),
+      cmocka_unit_test(the_last_frame_is_that_of_the_last_step),
       cmocka_unit_test(no_snapshots_make_no_file),
       cmocka_unit_test(the_file_has_the_layout_of_the_contract),
       cmocka_unit_test(points_stand_in_the_order_of_generation),
