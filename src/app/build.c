@@ -207,6 +207,22 @@ static void choose_longest(sdr_built *built)
   const sdr_time_scene *time = &built->scene->time;
   built->step = isnan(time->step) ? time->end / 100.0 : fmin(time->step, time->end);
   built->steps = 0;
+  if (time->step > time->end)
+    warn(built, "time.step (%g s) is longer than the run (%g s)", time->step, time->end);
+}
+
+/* Of a time.end, or a material, with a wrong unit. */
+static void warn_of_steps(sdr_built *built)
+{
+  const sdr_time_scene *time = &built->scene->time;
+  if (built->step > time->end * (1.0 + 1e-12))
+    warn(built,
+         "one step of %.4g s is longer than the run (%g s); are the units of time.end, young and "
+         "density right?",
+         built->step, time->end);
+  if (built->steps > 20000000)
+    warn(built, "the run takes %lld steps; is the unit of time.end (%g s) right?",
+         (long long)built->steps, time->end);
 }
 
 static sdr_status choose_step(sdr_built *built)
@@ -235,6 +251,7 @@ static sdr_status choose_step(sdr_built *built)
                     "a longer step or an earlier end",
                     sdr_origin_text(time->step_origin), time->end, built->step, steps);
   built->steps = (int64_t)steps;
+  warn_of_steps(built);
   if (!built->integrator->is_explicit || built->step <= built->stable_step) return SDR_OK;
   if (!time->allow_unstable)
     return sdr_fail(SDR_BAD_INPUT,

@@ -136,6 +136,8 @@ static void print_lists(const sdr_built *built, FILE *out)
   const sdr_scene *scene = built->scene;
   fprintf(out, "skipped\n");
   for (int k = 0; k < built->skipped_count; ++k) fprintf(out, "  %s\n", built->skipped[k]);
+  if (scene->idle_count > 0) fprintf(out, "without effect\n");
+  for (int k = 0; k < scene->idle_count; ++k) fprintf(out, "  %s\n", scene->idle[k]);
   fprintf(out, "defaults\n");
   for (int k = 0; k < scene->default_count; ++k) fprintf(out, "  %s\n", scene->defaults[k]);
 }

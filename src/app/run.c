@@ -360,6 +360,13 @@ static sdr_status check_same_scene(const run *r)
                   r->directory);
 }
 
+static void warn(const sdr_scene *scene, const char *warning)
+{
+  if (warning[0]) fprintf(stderr, "sunder: warning: %s\n", warning);
+  for (int k = 0; k < scene->idle_count; ++k)
+    fprintf(stderr, "sunder: without effect: %s\n", scene->idle[k]);
+}
+
 static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *options)
 {
   SDR_TRY(sdr_build_scene(scene, &r->built));
@@ -368,8 +375,7 @@ static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *optio
   SDR_TRY(sdr_name_directory(r->built.scene, options->directory, options->resume, r->directory));
   if (options->resume) SDR_TRY(check_same_scene(r));
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
-  if (r->built.warning[0] && !options->quiet)
-    fprintf(stderr, "sunder: warning: %s\n", r->built.warning);
+  if (!options->quiet) warn(r->built.scene, r->built.warning);
   r->moment = sdr_watch_moment(&r->built, r->directory);
   SDR_TRY(sdr_watchers_create(&r->built, &r->moment, !options->quiet, &r->watch));
   SDR_TRY(begin(r, options));

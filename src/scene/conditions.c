@@ -18,6 +18,10 @@ static void read_schedule(sdr_reading *rd, sdr_node *map, sdr_schedule *schedule
   if (good && !(schedule->from < schedule->until)) {
     sdr_read_error(r, sdr_node_find(map, "until")->origin, "'until' must be later than 'from'");
   }
+  if (good && schedule->until < 0) {
+    sdr_read_error(r, sdr_node_find(map, "until")->origin,
+                   "'until' lies before the run, which begins at t = 0, so this would never act");
+  }
   if (schedule->ramp > 0 && isinf(schedule->from)) schedule->from = 0; /* a ramp has a beginning */
 }
 

@@ -193,29 +193,40 @@ void sdr_read_done(sdr_reader *reader, sdr_node *map)
   }
 }
 
+/* Add a line of the store (NULL: memory ran out) to a list of them. */
+static void list_line(sdr_reader *reader, char *line, char ***list, int *count, int *room)
+{
+  char **grown = *list;
+  if (line && *count == *room) {
+    *room = 2 * *room + 32;
+    grown = sdr_store_alloc(reader->store, (size_t)*room, sizeof *grown);
+    if (grown && *count > 0) memcpy(grown, *list, (size_t)*count * sizeof *grown);
+  }
+  if (!line || !grown) {
+    sdr_read_fatal(reader, SDR_RUN_FAILED);
+    return;
+  }
+  *list = grown;
+  grown[(*count)++] = line;
+}
+
 static void list_default(sdr_reader *reader, const sdr_node *node, const char *text)
 {
   char path[256];
   sdr_node_path(node, path, sizeof path);
-  if (reader->default_count == reader->default_room) {
-    const int room = 2 * reader->default_room + 32;
-    char **grown = sdr_store_alloc(reader->store, (size_t)room, sizeof *grown);
-    if (!grown) {
-      sdr_read_fatal(reader, SDR_RUN_FAILED);
-      return;
-    }
-    if (reader->default_count > 0) {
-      memcpy(grown, reader->defaults, (size_t)reader->default_count * sizeof *grown);
-    }
-    reader->defaults = grown;
-    reader->default_room = room;
-  }
-  char *line = sdr_store_format(reader->store, "%s = %s", path, text);
-  if (!line) {
-    sdr_read_fatal(reader, SDR_RUN_FAILED);
-    return;
-  }
-  reader->defaults[reader->default_count++] = line;
+  list_line(reader, sdr_store_format(reader->store, "%s = %s", path, text), &reader->defaults,
+            &reader->default_count, &reader->default_room);
+}
+
+void sdr_note_idle(sdr_reader *reader, const char *format, ...)
+{
+  char text[400];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  list_line(reader, sdr_store_copy(reader->store, text, strlen(text)), &reader->idle,
+            &reader->idle_count, &reader->idle_room);
 }
 
 /* Hang the default's own tree into the mapping; its origin is the mapping's. */

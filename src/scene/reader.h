@@ -26,6 +26,8 @@ typedef struct {
   int unreadable; /* 1: an imported file cannot be read by this build */
   int default_count, default_room;
   char **defaults;
+  int idle_count, idle_room;
+  char **idle; /* what the scene says and nothing looks at */
 } sdr_reader;
 
 /* Fallbacks: NULL: the key is required; SDR_OPTIONAL: it may be absent, nothing is filled in;
@@ -41,6 +43,8 @@ typedef struct {
 
 void sdr_read_error(sdr_reader *reader, sdr_origin origin, const char *format, ...)
     SDR_PRINTF(3, 4);
+/* Note what a scene says without effect. */
+void sdr_note_idle(sdr_reader *reader, const char *format, ...) SDR_PRINTF(2, 3);
 /* Note that memory ran out, or another failure that is not the input's fault. */
 void sdr_read_fatal(sdr_reader *reader, sdr_status status);
 /* SDR_OK if nothing was wrong, else record the sorted list of errors. */

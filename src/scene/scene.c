@@ -104,6 +104,13 @@ static void apply_set(sdr_reader *reader, sdr_node *root, const char *set)
     sdr_read_error(reader, origin, "write it as PATH=VALUE, like --set time.end=\"1 us\"");
     return;
   }
+  if (strcmp(path, "variants") == 0 || strncmp(path, "variants.", 9) == 0) {
+    sdr_read_error(
+        reader, origin,
+        "overrides change the scene that runs, not its variants; give --variant NAME and "
+        "override the key itself, like --set points.spacing=\"1 mm\"");
+    return;
+  }
   sdr_node *value = NULL;
   sdr_status status =
       sdr_yaml_parse(reader->store, equals + 1, strlen(equals + 1), origin.file, &value);
@@ -227,6 +234,7 @@ static void read_sections(sdr_reading *rd)
   sdr_check_adapt(rd);
   sdr_read_output(rd);
   sdr_read_figures(rd);
+  sdr_find_idle(rd);
 }
 
 /* Make the tree what it is with the variant and the overrides, and read it into the scene. */
@@ -327,6 +335,8 @@ static sdr_status read_scene(const request *asked, sdr_reader *reader, sdr_scene
   SDR_TRY(sdr_read_finish(reader));
   scene->defaults = reader->defaults;
   scene->default_count = reader->default_count;
+  scene->idle = reader->idle;
+  scene->idle_count = reader->idle_count;
   scene->hash = sdr_scene_tree_hash(copy);
   scene->used_yaml = sdr_yaml_write(copy);
   return scene->used_yaml ? SDR_OK : SDR_RUN_FAILED;

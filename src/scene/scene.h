@@ -465,6 +465,9 @@ typedef struct sdr_scene {
   char *used_yaml; /* the scene with every default filled in, as YAML text */
   int default_count;
   char **defaults;         /* "damage.ell = 1 horizon": what was defaulted, for `check` */
+  int idle_count;
+  char **idle;             /* "time.safety: the integrator static does not use it": what the scene
+                              says without effect */
   struct sdr_store *store; /* holds all that the scene points to */
 } sdr_scene;
 

@@ -84,6 +84,8 @@ void sdr_read_measures(sdr_reading *reading, sdr_node *output);
 /* The mapping `cracks` of `output`. crack_observers.c */
 void sdr_read_crack_tips(sdr_reading *reading, sdr_node *output);
 void sdr_read_figures(sdr_reading *reading);
+/* idle.c: note what nothing looks at; after all others. */
+void sdr_find_idle(sdr_reading *reading);
 /* equation.c: all of a scene with an equation but title, regions, points and figures. */
 void sdr_read_equation(sdr_reading *reading);
 

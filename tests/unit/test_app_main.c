@@ -185,14 +185,29 @@ static void check_compares_the_points_with_the_shape_and_says_what_holds_them(vo
                          "(+0.0 %); mass 31.4 kg\n"
                          "support             foot on bottom: 20 points (y)\n"
                          "load                traction on top: acts on 20 points\n"));
-  succeed(&s, BOX "--set points.align=cell --set horizon='1 spacing'");
+  succeed(&s, BOX "--set points.align=cell --set time.step=auto --set horizon='1 spacing'");
   assert_non_null(strstr(
       s.out,
       "warning             the body has no shear stiffness: a horizon of 1 times the spacing "
       "holds bonds along the axes of the lattice only; give at least 1.5 spacings, "
       "3.015 as a rule (horizon)\n"));
-  succeed(&s, BOX "--set points.align=cell --set horizon='1.5 spacing'");
+  succeed(&s, BOX "--set points.align=cell --set time.step=auto --set horizon='1.5 spacing'");
   assert_null(strstr(s.out, "shear stiffness"));
+}
+
+static void check_warns_of_units_that_are_likely_wrong(void **state)
+{
+  (void)state;
+  said s;
+  succeed(&s, "sunder check " COARSE " --set time.step=auto --set material.young=210");
+  assert_non_null(strstr(s.out, " is longer than the run (0.0001 s); are the units of time.end, "
+                                "young and density right?\n"));
+  succeed(&s, "sunder check " COARSE " --set time.step=auto --set time.end=80");
+  assert_non_null(strstr(s.out, " steps; is the unit of time.end (80 s) right?\n"));
+  succeed(&s, "sunder check " COARSE " --set time.safety=0.5 --set damage.law=critical_stretch");
+  assert_null(strstr(s.out, "warning"));
+  assert_non_null(strstr(s.out, "\nwithout effect\n  damage.ell: the law critical_stretch does not "
+                                "use it\ndefaults\n"));
 }
 
 static void check_refuses_what_run_would_refuse(void **state)
@@ -215,7 +230,8 @@ static void check_refuses_what_run_would_refuse(void **state)
     said checked, ran;
     snprintf(command, sizeof command, "sunder check " COARSE " --set %s", sets[k]);
     shell(&checked, command);
-    snprintf(command, sizeof command, "sunder run " COARSE " -o unwanted --set %s", sets[k]);
+    snprintf(command, sizeof command, "sunder run " COARSE " -o unwanted --quiet --set %s",
+             sets[k]);
     shell(&ran, command);
     assert_int_equal(checked.code, 1);
     assert_int_equal(ran.code, 1);
@@ -342,6 +358,7 @@ int main(void)
       cmocka_unit_test(check_tells_what_would_run_and_runs_nothing),
       cmocka_unit_test(check_tells_the_strength_of_laws_that_soften),
       cmocka_unit_test(check_compares_the_points_with_the_shape_and_says_what_holds_them),
+      cmocka_unit_test(check_warns_of_units_that_are_likely_wrong),
       cmocka_unit_test(check_refuses_what_run_would_refuse),
       cmocka_unit_test(check_refuses_a_directory_that_run_could_not_make),
       cmocka_unit_test(results_go_to_stdout_and_progress_to_stderr),

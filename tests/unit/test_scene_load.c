@@ -562,9 +562,60 @@ static void text_in_memory_becomes_a_scene_with_its_name_in_messages(void **stat
   assert_null(scene);
 }
 
+#define SOFT                                                                                       \
+  "dimension: plane_stress\n"                                                                      \
+  "points: {shape: {box: {from: [0, 0], to: [1, 1]}}, spacing: 0.1}\n"                             \
+  "material: {young: 1 GPa, density: 1000, toughness: 1, strength: 1 MPa}\n"
+
+static void what_nothing_looks_at_is_listed(void **state)
+{
+  (void)state;
+  static const char *const expected[] = {
+      "material.strength: only the damage law cohesive uses it",
+      "damage.ell: the law critical_stretch does not use it",
+      "time.safety: the integrator static does not use it",
+      "loads.0: begins at 3 s, after the end of the run at 2 s",
+      "supports.1: begins at 2.5 s, after the end of the run at 2 s"};
+  const char *text = SOFT "damage: {law: critical_stretch, ell: 2 horizon}\n"
+                          "loads: [{traction: {on: top, value: [0, 1], from: 3 s}}]\n"
+                          "supports: [{on: left, displacement: {x: 0}, from: 2 s},\n"
+                          "  {on: bottom, displacement: {y: 0}, from: 2.5 s}]\n"
+                          "time: {integrator: static, safety: 0.5, end: 2 s}\n";
+  sdr_scene *s = NULL;
+  if (load_text(text, NULL, 0, NULL, &s) != SDR_OK) fail_msg("%s", sdr_error_message());
+  assert_int_equal(s->idle_count, (int)(sizeof expected / sizeof *expected));
+  for (int k = 0; k < s->idle_count; ++k) assert_string_equal(s->idle[k], expected[k]);
+  sdr_scene_destroy(&s);
+  if (load_text(SOFT "time: {end: 1 s}\n", NULL, 0, NULL, &s) != SDR_OK)
+    fail_msg("%s", sdr_error_message());
+  assert_int_equal(s->idle_count, 2);
+  assert_string_equal(s->idle[0], "material.toughness: there is no damage law");
+  sdr_scene_destroy(&s);
+}
+
+static void what_could_never_act_is_refused(void **state)
+{
+  (void)state;
+  static const char *const sets[][2] = {
+      {"loads=[{traction: {on: top, value: [0, 1], until: -1 us}}]",
+       "--set loads: 'until' lies before the run, which begins at t = 0, so this would never act"},
+      {"time={integrator: static, safety: 2}",
+       "--set time: time.safety = 2 is out of range; allowed: above 0 and at most 1"},
+      {"variants.a.points.spacng=3",
+       "--set variants.a.points.spacng: overrides change the scene that runs, not its variants; "
+       "give --variant NAME and override the key itself, like --set points.spacing=\"1 mm\""}};
+  for (size_t k = 0; k < sizeof sets / sizeof *sets; ++k) {
+    sdr_scene *s = NULL;
+    assert_int_equal(load_text(SOFT "time: {end: 1 s}\n", NULL, 1, sets[k], &s), SDR_BAD_INPUT);
+    assert_string_equal(sdr_error_message(), sets[k][1]);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(what_nothing_looks_at_is_listed),
+      cmocka_unit_test(what_could_never_act_is_refused),
       cmocka_unit_test(the_example_of_the_design_loads),
       cmocka_unit_test(every_key_of_a_plate_arrives),
       cmocka_unit_test(every_key_of_a_state_based_body_arrives),
