@@ -108,9 +108,9 @@ static void print_adapt(const sdr_built *built, FILE *out)
   for (int32_t i = 0; i < built->points->count; ++i)
     horizon = fmax(horizon, built->points->horizon[i]);
   const sdr_length lengths[] = {adapt->neighbours, adapt->ahead};
-  double reach = 0.0;
+  double reach[2];
   for (int k = 0; k < 2; ++k)
-    reach += lengths[k].relative ? lengths[k].value * horizon : lengths[k].value;
+    reach[k] = lengths[k].relative ? lengths[k].value * horizon : lengths[k].value;
   fprintf(out, "points may split    ");
   if (adapt->levels == 1)
     fprintf(out, "once");
@@ -120,7 +120,8 @@ static void print_adapt(const sdr_built *built, FILE *out)
   if (!isinf(adapt->energy)) fprintf(out, " %g J/m^3", adapt->energy);
   if (!isinf(adapt->energy) && !isinf(adapt->damage)) fprintf(out, " or");
   if (!isinf(adapt->damage)) fprintf(out, " a damage of %g", adapt->damage);
-  fprintf(out, "; with all within %g mm\n", reach * 1e3);
+  fprintf(out, "; with all within %g mm, and %g mm ahead of tips\n", reach[0] * 1e3,
+          reach[1] * 1e3);
 }
 
 static void print_memory(const sdr_built *built, FILE *out)

@@ -105,7 +105,7 @@ static void check_says_what_may_split_and_how_short_steps_become(void **state)
   said s;
   succeed(&s, "sunder check plate.yaml");
   assert_non_null(strstr(s.out, "points may split    once, to 0.5 mm, above 8000 J/m^3 or a damage "
-                                "of 0.02; with all within 6.03 mm"));
+                                "of 0.02; with all within 3.015 mm, and 3.015 mm ahead of tips"));
 }
 
 int main(void)

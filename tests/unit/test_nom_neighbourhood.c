@@ -24,16 +24,18 @@ static sdr_points *cloud(int32_t count, int components, const double edge[3], do
   return points;
 }
 
-static void compare_with_all_pairs(sdr_points *points)
+/* Without the pairs that `held` says runs hold; NULL: all. */
+static void compare_beside(sdr_points *points, const sdr_lattice_groups *held)
 {
   sdr_neighbourhood near;
-  assert_int_equal(sdr_neighbourhood_create(points, &near), SDR_OK);
+  assert_int_equal(sdr_neighbourhood_beside(points, held, &near), SDR_OK);
   for (int32_t i = 0; i < points->count; ++i) {
     int64_t k = near.row[i];
     for (int32_t j = 0; j < points->count; ++j) {
       double square = 0.0;
       for (int a = 0; a < points->components; ++a)
         square += pow(points->x[a][j] - points->x[a][i], 2.0);
+      if (held && sdr_on_run(held, i, j)) continue;
       if (j == i || sqrt(square) > points->horizon[i] * (1.0 + 0.5e-9)) continue;
       assert_true(k < near.row[i + 1]);
       assert_int_equal(near.column[k], j);
@@ -43,6 +45,30 @@ static void compare_with_all_pairs(sdr_points *points)
   }
   sdr_neighbourhood_destroy(&near);
   sdr_points_destroy(&points);
+}
+
+static void compare_with_all_pairs(sdr_points *points)
+{
+  compare_beside(points, NULL);
+}
+
+/* Halves of a box of one group each, with a few points of no group and a few of the border. */
+static void pairs_that_runs_hold_are_left_out(void **state)
+{
+  (void)state;
+  const double cube[3] = {10.0, 10.0, 10.0};
+  for (int components = 1; components <= 3; ++components) {
+    uint8_t group[600], border[600];
+    sdr_points *points = cloud(600, components, cube, 0.3, 2.0, 9);
+    for (int32_t i = 0; i < points->count; ++i) {
+      group[i] = i % 97 == 0 ? 0 : points->x[0][i] < 2.0 ? 1 : 2;
+      border[i] = i % 61 == 0;
+    }
+    const sdr_lattice_groups halves = {.of_point = group},
+                             bordered = {.of_point = group, .border = border};
+    compare_beside(points, &halves);
+    compare_beside(cloud(600, components, cube, 0.3, 2.0, 9), &bordered);
+  }
 }
 
 static void cells_find_what_all_pairs_find(void **state)
@@ -133,6 +159,7 @@ static void every_failing_allocation_is_reported(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pairs_that_runs_hold_are_left_out),
       cmocka_unit_test(cells_find_what_all_pairs_find),
       cmocka_unit_test(one_point_has_no_neighbour),
       cmocka_unit_test(a_neighbour_on_the_edge_of_the_horizon_counts_as_inside),
