@@ -1,6 +1,7 @@
 #include "app/plot_field.h"
 
 #include "base/memory.h"
+#include "output/fields.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -71,10 +72,12 @@ static double magnitude(const float *v, int components, int tensor)
 
 static sdr_status pick(const char *field, const char *component, int components, int *out)
 {
+  const sdr_field_info *info = sdr_field_find(field);
   *out = components == 1 ? 0 : MAGNITUDE;
-  if (!*component || strcmp(component, "magnitude") == 0) return SDR_OK;
+  if (!*component || (strcmp(component, "magnitude") == 0 && components > 1)) return SDR_OK;
   const char *names = component_names(field, components);
-  if (components == 1 && !is_tensor(field) && strcmp(component, "x") == 0) return SDR_OK;
+  if (components == 1 && info && info->kind == SDR_VECTOR_FIELD && strcmp(component, "x") == 0)
+    return SDR_OK;
   *out = position_in(names, component);
   if (*out >= 0) return SDR_OK;
   if (!*names)

@@ -134,16 +134,21 @@ static sdr_status remove_one(const char *directory, const char *name, const char
   return sdr_fail(SDR_IO_ERROR, "cannot remove %s: %s", path, strerror(errno));
 }
 
-/* FIELD.png and FIELD.COMPONENT.png of `plot`, its ledger.png, compare.png of `compare`. */
+/* FIELD.png and FIELD.COMPONENT.png of `plot`, with _at_TIME at the end of the stem or without, its
+   ledger.png and reactions.png, compare.png of `compare`. */
 static int is_our_picture(const char *name)
 {
   char stem[32];
-  const size_t length = strlen(name), first = strcspn(name, ".");
+  const size_t length = strlen(name), dot = strcspn(name, ".");
+  const char *at = strstr(name, "_at_");
+  const size_t first = at && (size_t)(at - name) < dot ? (size_t)(at - name) : dot;
   if (length < 4 || strcmp(name + length - 4, ".png") != 0 || first >= sizeof stem) return 0;
   memcpy(stem, name, first);
   stem[first] = '\0';
   const int whole = first == length - 4;
-  if (whole && (strcmp(stem, "ledger") == 0 || strcmp(stem, "compare") == 0)) return 1;
+  if (whole && (strcmp(stem, "ledger") == 0 || strcmp(stem, "compare") == 0 ||
+                strcmp(stem, "reactions") == 0))
+    return 1;
   return sdr_field_find(stem) != NULL;
 }
 

@@ -200,7 +200,8 @@ static inline void made_run_remove(const char *directory)
 {
   static const char *const names[] = {"snapshots.h5",     "history.csv", "summary.json",
                                       "ledger.png",       "damage.png",  "stress.xy.png",
-                                      "displacement.png", "compare.png", "x.png"};
+                                      "displacement.png", "compare.png", "x.png",
+                                      "reactions.png",    "used.yaml",   "damage_at_50us.png"};
   char path[640];
   for (size_t k = 0; k < sizeof names / sizeof names[0]; ++k) {
     snprintf(path, sizeof path, "%s/%s", directory, names[k]);

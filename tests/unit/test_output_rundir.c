@@ -33,9 +33,10 @@ static void trying_a_directory_leaves_nothing_new(void **state)
 }
 
 static const char *const ours[] = {
-    "summary.json", "history.csv",       "snapshots.h5",       "snapshots.xdmf", "checkpoint.h5",
-    "used.yaml",    "damage.png",        "energy_density.png", "ledger.png",     "stress.xx.png",
-    "compare.png",  "summary.json.part", "checkpoint.h5.part"};
+    "summary.json",        "history.csv",   "snapshots.h5",      "snapshots.xdmf",
+    "checkpoint.h5",       "used.yaml",     "damage.png",        "energy_density.png",
+    "ledger.png",          "stress.xx.png", "reactions.png",     "damage_at_43.6us.png",
+    "stress.xx_at_1s.png", "compare.png",   "summary.json.part", "checkpoint.h5.part"};
 enum { OURS = sizeof ours / sizeof *ours };
 
 static void a_new_run_removes_our_files_and_no_others(void **state)
