@@ -11,7 +11,7 @@
 enum { TARGET = 900, LINE_WIDTH = 1100, LINE_HEIGHT = 600 };
 
 /* Margins and gaps in letters' sizes. */
-static const double left = 5.8, right = 8.6, between = 12.4, above = 2.4, heading = 4.2, axis = 4.6,
+static const double left = 6.2, right = 8.6, between = 12.4, above = 2.4, heading = 4.2, axis = 4.6,
                     legend = 2.6;
 
 /* What is drawn for the two runs. */
@@ -25,6 +25,7 @@ typedef struct {
   double x[2];   /* in one dimension: the range */
   int ledger[2]; /* which run has one */
   sdr_ledger_range range;
+  double largest[2]; /* energy of each run */
 } scene;
 
 /* Where things stand, px. */
@@ -115,6 +116,8 @@ static sdr_status prepare_ledgers(scene *all, FILE *out)
       fprintf(out, "%s: no rows in history.csv, so no picture of its energies\n",
               all->run[k]->directory);
   }
+  for (int k = 0; k < 2; ++k)
+    if (all->ledger[k]) all->largest[k] = range[k].largest;
   if (all->ledger[0] && all->ledger[1])
     all->range = sdr_ledger_range_merge(&range[0], &range[1]);
   else if (all->ledger[0])
@@ -189,7 +192,9 @@ static sdr_status draw(sdr_picture *picture, const scene *all, const layout *pla
   for (int k = 0; k < 2 && all->fields; ++k) SDR_TRY(draw_field(picture, all, plan, k));
   for (int k = 0; k < 2; ++k) {
     const sdr_area area = {column_left(plan, k), floor(axis * plan->em), plan->cell, plan->ledger};
-    if (all->ledger[k]) sdr_panel_ledger(picture, area, all->run[k], &all->range);
+    sdr_ledger_range range = all->range;
+    range.largest = all->largest[k]; /* a share is of the run's own */
+    if (all->ledger[k]) sdr_panel_ledger(picture, area, all->run[k], &range);
   }
   return SDR_OK;
 }

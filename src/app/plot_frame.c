@@ -6,10 +6,11 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { TARGET = 1150, SLICE_TARGET = 800, LINE_WIDTH = 1280, LINE_HEIGHT = 760 };
 
-const double sdr_frame_left = 5.6, sdr_frame_right = 8.6, sdr_frame_below = 4.0,
+const double sdr_frame_left = 6.0, sdr_frame_right = 8.6, sdr_frame_below = 4.0,
              sdr_frame_above = 4.6;
 
 void sdr_frame_heading(sdr_picture *picture, const sdr_rundata *run, const char *second)
@@ -193,6 +194,10 @@ sdr_status sdr_frame_draw(sdr_rundata *run, int frame, const char *name, const s
   field.most = scale->field.most;
   field.palette = scale->field.palette;
   sdr_panel_subtitle(run, frame, subtitle, sizeof subtitle);
+  if (how->deformed != 0.0 && run->dimension > 1) {
+    const size_t length = strlen(subtitle);
+    snprintf(subtitle + length, sizeof subtitle - length, ", displacements × %.4g", how->deformed);
+  }
   const sdr_status status = run->dimension == 1
                                 ? draw_line(run, &field, scale, subtitle, png)
                                 : draw_body(run, frame, &field, how, scale, subtitle, png);

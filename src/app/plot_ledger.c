@@ -135,7 +135,7 @@ static void write_label(sdr_picture *picture, sdr_area area, const char *name, c
 {
   char label[128];
   sdr_axis_label(name, unit, prefix, label, sizeof label);
-  sdr_picture_upright(picture, area.left - 4.3 * picture->font, area.bottom + 0.5 * area.height,
+  sdr_picture_upright(picture, area.left - 5.0 * picture->font, area.bottom + 0.5 * area.height,
                       1.1, 1.5 * area.height, label);
 }
 
@@ -158,9 +158,9 @@ static void write_share(sdr_picture *picture, sdr_area area, const sdr_ledger_ra
   const double scale = prefix.scale / range->largest;
   write_range(picture, "y2", range->imbalance, 0.12, scale);
   fprintf(picture->script, "set y2tics out %.9g\n", tic_step(range->imbalance, scale, 4));
-  sdr_axis_label("of largest energy", "", prefix, label, sizeof label);
+  sdr_axis_label("of its largest energy", "", prefix, label, sizeof label);
   sdr_picture_upright(picture, area.left + area.width + 5.2 * picture->font,
-                      area.bottom + 0.5 * area.height, 0.85, 2.0 * area.height, label);
+                      area.bottom + 0.5 * area.height, 0.85, 2.4 * area.height, label);
 }
 
 /* One entry of the legend at x, y px: a piece of the line and its name. */

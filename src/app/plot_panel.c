@@ -71,7 +71,7 @@ static void name_axes(sdr_picture *picture, sdr_area area, const char *below, co
   const double em = picture->font;
   sdr_picture_text(picture, area.left + 0.5 * area.width, area.bottom - 3.1 * em, "center", 1.1,
                    area.width, below);
-  sdr_picture_upright(picture, area.left - 4.3 * em, area.bottom + 0.5 * area.height, 1.1,
+  sdr_picture_upright(picture, area.left - 5.0 * em, area.bottom + 0.5 * area.height, 1.1,
                       1.2 * area.height, beside);
   fputs("set xtics out nomirror\nset ytics out nomirror autofreq\n", picture->script);
 }
@@ -84,13 +84,13 @@ static double round_length(double largest)
   return power * (digit >= 5.0 ? 5.0 : digit >= 2.0 ? 2.0 : 1.0);
 }
 
-/* A solid body has no axes around it: arrows for the directions and a bar for the size. */
+/* A solid body has no axes around it: arrows for the directions and a bar for the size, below. */
 static void draw_compass(sdr_picture *picture, sdr_area area, const sdr_window *window)
 {
   static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   static const char *const names[3] = {"x", "y", "z"};
   const double length = 3.0 * picture->font;
-  const double at[2] = {area.left + length, area.bottom + 0.6 * length};
+  const double at[2] = {area.left + length, area.bottom - 0.35 * length};
   for (int c = 0; c < 3; ++c) {
     double plane[2], depth;
     sdr_raster_project(unit[c], 3, plane, &depth);
@@ -106,12 +106,12 @@ static void draw_compass(sdr_picture *picture, sdr_area area, const sdr_window *
   const double bar = round_length(0.25 * window->width * window->pixel);
   const double right = area.left + area.width - picture->font;
   const double left = right - bar / (window->width * window->pixel) * area.width;
-  const double y = area.bottom + picture->font;
+  const double y = area.bottom - 1.2 * picture->font;
   fprintf(picture->script,
           "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead lw 5 lc '#303030' front\n",
           left / picture->width, y / picture->height, right / picture->width, y / picture->height);
   sdr_quantity(bar, "m", 6, text, sizeof text);
-  sdr_picture_text(picture, 0.5 * (left + right), y + picture->font, "center", 1.0, 400, text);
+  sdr_picture_text(picture, 0.5 * (left + right), y - picture->font, "center", 1.0, 400, text);
 }
 
 /* names: of the components to the right and up; NULL: a solid body, seen obliquely. */

@@ -125,6 +125,7 @@ static sdr_status measure(const sdr_rundata *run, const sdr_view_how *how, sdr_p
   moved.spacing = view->extent.spacing;
   moved.volume = view->extent.volume;
   moved.lattice = 0;
+  moved.squares = view->extent.lattice;
   view->extent = moved;
   return SDR_OK;
 }
@@ -141,7 +142,10 @@ sdr_status sdr_plot_view_make(const sdr_rundata *run, int frame, const sdr_view_
     view.slice_at = how->slice_at;
     if (how->slice_axis == SDR_SLICE_MIDDLE) choose_middle(run, &view);
     status = cut(run, &view);
-    if (how->deformed != 0.0) view.slice_extent.lattice = 0;
+    if (how->deformed != 0.0) {
+      view.slice_extent.lattice = 0;
+      view.slice_extent.squares = view.extent.squares;
+    }
     view.slice_extent.spacing = view.extent.spacing;
   }
   if (status != SDR_OK) {

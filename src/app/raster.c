@@ -10,7 +10,7 @@ static const double across[3] = {0.70710678118654752, 0.70710678118654752, 0.0};
 static const double upward[3] = {-0.40824829046386302, 0.40824829046386302, 0.81649658092772603};
 static const double toward[3] = {0.57735026918962576, -0.57735026918962576, 0.57735026918962576};
 /* Light on the faces that the eye sees: those with normals +x, -y, +z. */
-static const float face_shade[3] = {0.72F, 0.86F, 1.0F};
+static const float face_shade[3] = {0.88F, 0.94F, 1.0F};
 
 /* A pixel within `near` spacings of a point belongs to the body; one within `bridge` does if body
    lies on all four sides of it (a gap between jittered points). */
@@ -198,7 +198,7 @@ static double own_spacing(const sdr_cloud *cloud, const sdr_extent *extent, int3
 sdr_status sdr_raster_measure(const sdr_cloud *cloud, sdr_extent *out)
 {
   buckets grid = {0};
-  sdr_extent extent = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0.0, 0.0, 0};
+  sdr_extent extent = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0.0, 0.0, 0, 0};
   const sdr_status status = fill_buckets(cloud, &grid);
   if (status == SDR_OK) measure_sample(cloud, &grid, &extent);
   sdr_free(grid.start);
@@ -278,7 +278,8 @@ static double plane_rank(const spot *point, const sdr_extent *extent, double dx,
   if (extent->lattice)
     return fmax(fabs(dx), fabs(dy)) <= 0.500001 * point->spacing ? hypot(dx, dy) / point->spacing
                                                                  : (double)INFINITY;
-  const double distance = hypot(dx, dy) / point->spacing;
+  const double distance =
+      (extent->squares ? fmax(fabs(dx), fabs(dy)) : hypot(dx, dy)) / point->spacing;
   return distance <= bridge ? distance : (double)INFINITY;
 }
 
@@ -362,6 +363,12 @@ static void paint_points(const canvas *on, const sdr_cloud *cloud, const float *
   }
 }
 
+/* A square's own half side, with a hair for those that still touch. */
+static float surely_body(const sdr_extent *extent)
+{
+  return extent->squares ? 0.52F : (float)near_enough;
+}
+
 /* Does a pixel that certainly belongs to the body lie within `reach` pixels in this direction? */
 static int body_beside(const canvas *on, int column, int row, int right, int up, int reach)
 {
@@ -369,24 +376,35 @@ static int body_beside(const canvas *on, int column, int row, int right, int up,
   for (int k = 1; k <= reach; ++k) {
     const int c = column + k * right, r = row + k * up;
     if (c < 0 || r < 0 || c >= window->width || r >= window->height) return 0;
-    if (on->rank[(size_t)r * (size_t)window->width + (size_t)c] <= (float)near_enough) return 1;
+    if (on->rank[(size_t)r * (size_t)window->width + (size_t)c] <= surely_body(on->extent))
+      return 1;
   }
   return 0;
+}
+
+/* Whether a pixel beyond what certainly is body closes a gap in it: between jittered points one
+   with body on all four sides, between squares that were moved apart one that is near and has it on
+   two opposite ones. */
+static int closes_gap(const canvas *on, int column, int row, float rank)
+{
+  const int reach = (int)ceil(1.2 * on->extent->spacing / on->raster->window.pixel);
+  const int level =
+      body_beside(on, column, row, 1, 0, reach) && body_beside(on, column, row, -1, 0, reach);
+  const int upright =
+      body_beside(on, column, row, 0, 1, reach) && body_beside(on, column, row, 0, -1, reach);
+  if (on->extent->squares) return rank <= (float)near_enough && (level || upright);
+  return level && upright;
 }
 
 /* Points off a lattice were painted up to `bridge`: take the rim off again, keep closed gaps. */
 static void trim(const canvas *on)
 {
   const sdr_window *window = &on->raster->window;
-  const int reach = (int)ceil(1.2 * on->extent->spacing / window->pixel);
   for (int row = 0; row < window->height; ++row)
     for (int column = 0; column < window->width; ++column) {
       const size_t k = (size_t)row * (size_t)window->width + (size_t)column;
-      if (on->rank[k] <= (float)near_enough || !isfinite(on->rank[k])) continue;
-      if (!body_beside(on, column, row, 1, 0, reach) ||
-          !body_beside(on, column, row, -1, 0, reach) ||
-          !body_beside(on, column, row, 0, 1, reach) || !body_beside(on, column, row, 0, -1, reach))
-        on->raster->value[k] = NAN;
+      if (on->rank[k] <= surely_body(on->extent) || !isfinite(on->rank[k])) continue;
+      if (!closes_gap(on, column, row, on->rank[k])) on->raster->value[k] = NAN;
     }
 }
 

@@ -19,6 +19,7 @@ typedef struct {
   double low[2], high[2]; /* m, cells included */
   double spacing, volume; /* of the median point: m, and as the cloud's (0: not known) */
   int lattice;            /* 1: one axis-parallel lattice, whose cells are drawn as squares */
+  int squares;            /* 1: points moved off such a lattice, still drawn as squares */
 } sdr_extent;
 
 /* The window of an image: pixel (0, 0) is at the lower left. */
