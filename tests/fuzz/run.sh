@@ -6,13 +6,14 @@
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.."
 (($# >= 2)) || {
-  echo "usage: tests/fuzz/run.sh BUILD_FOLDER SECONDS [scene|formula|table|import|history|checkpoint ...]" >&2
+  echo "usage: tests/fuzz/run.sh BUILD_FOLDER SECONDS" \
+    "[scene|formula|table|import|history|checkpoint|snapshots ...]" >&2
   exit 1
 }
 folder=$PWD/$1
 seconds=$2
 shift 2
-(($# > 0)) || set -- scene formula table import history checkpoint
+(($# > 0)) || set -- scene formula table import history checkpoint snapshots
 
 # seeds TARGET: put first inputs into seeds/TARGET and words to insert into TARGET.dict.
 seeds() {
@@ -44,8 +45,8 @@ seeds() {
     history)
       printf 'time,kinetic,grip.reaction.x\n0,1,2\n1e-7,2.5,nan\n2e-7,inf,-3\n' >seeds/history/three
       ;;
-    checkpoint)
-      : >seeds/checkpoint/empty # its mutator begins with a good one
+    checkpoint | snapshots)
+      : >"seeds/$1/empty" # its mutator begins with a good one
       ;;
   esac
 }
