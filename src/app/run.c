@@ -264,8 +264,11 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
   fprintf(out,
           "energy              kinetic %.5g J, stored %.5g J, dissipated %.5g J, work %.5g J\n",
           s->books.kinetic, s->books.stored, s->books.dissipated, s->books.external_work);
-  fprintf(out, "imbalance           %.2e of the largest energy (largest on the way %.2e)\n",
-          s->books.imbalance_relative, s->books.imbalance_largest);
+  fprintf(
+      out,
+      "imbalance           %.2e of the run's largest energy (on the way up to %.2e of the largest "
+      "until then)\n",
+      s->books.imbalance_relative, s->books.imbalance_largest);
   print_adapt(r, s, out);
   print_method(&r->built.system->method, out);
   print_time(s, &r->built.system->solve, out);
