@@ -163,6 +163,7 @@ static sdr_status print_all(const sdr_built *built, FILE *out)
 {
   const sdr_scene *scene = built->scene;
   fprintf(out, "%s\n", scene->title);
+  if (*scene->variants) fprintf(out, "variants            %s\n", scene->variants);
   fprintf(out, "model               %s, %s, damage %s, integrator %s\n", built->traits.name,
           dimension_names[scene->dimension], law_names[scene->damage.law], scene->time.integrator);
   fprintf(out, "kernels             %s, %s precision, %d thread%s\n", built->traits.isa,

@@ -1,6 +1,7 @@
 #include "app/find_scene.h"
 
 #include "base/memory.h"
+#include "scene/reader.h"
 #include "scene/scene.h"
 
 #include <dirent.h>
@@ -67,19 +68,48 @@ static int is_problem(const char *folder, const struct dirent *entry, char path[
   return length < SDR_SCENE_PATH && is_file(path);
 }
 
-static void list_names(char *text, size_t size)
+static int by_name(const void *a, const void *b)
 {
-  const char *folder;
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+enum { MOST_PROBLEMS = 1000 };
+
+/* The problems' names in order, and their folder; how many there are, -1: no folder. The caller
+   frees them. */
+static int find_names(const char **folder, char *names[MOST_PROBLEMS])
+{
   char path[SDR_SCENE_PATH];
-  DIR *listing = open_problems(&folder);
-  text[0] = '\0';
-  if (!listing) return;
-  for (const struct dirent *entry; (entry = readdir(listing));)
-    if (is_problem(folder, entry, path)) {
-      strncat(text, text[0] ? ", " : "; problems: ", size - strlen(text) - 1);
-      strncat(text, entry->d_name, size - strlen(text) - 1);
-    }
+  int count = 0;
+  DIR *listing = open_problems(folder);
+  if (!listing) return -1;
+  for (const struct dirent *entry; (entry = readdir(listing)) && count < MOST_PROBLEMS;)
+    if (is_problem(*folder, entry, path) && (names[count] = sdr_strdup(entry->d_name))) ++count;
   closedir(listing);
+  qsort(names, (size_t)count, sizeof *names, by_name);
+  return count;
+}
+
+/* A mistyped name is wrong input, a file that is not there is a matter of files. */
+static sdr_status fail_unknown(const char *name)
+{
+  const char *folder, *nearest;
+  char *names[MOST_PROBLEMS], listed[2048] = "", hint[SDR_SCENE_PATH + 32] = "", file[300];
+  const int count = find_names(&folder, names), is_name = *name && !strchr(name, '/');
+  size_t used = 0;
+  for (int k = 0; k < count && used < sizeof listed; ++k)
+    used += (size_t)snprintf(listed + used, sizeof listed - used, "%s%s",
+                             k ? ", " : "; problems: ", names[k]);
+  snprintf(file, sizeof file, "%.250s.yaml", name);
+  nearest = sdr_read_nearest(name, (const char *const *)names, count > 0 ? count : 0);
+  if (is_name && is_file(file))
+    snprintf(hint, sizeof hint, " (did you mean the file '%s'?)", file);
+  else if (is_name && nearest)
+    snprintf(hint, sizeof hint, " (did you mean '%s'?)", nearest);
+  const sdr_status status = is_name && !strstr(name, ".yaml") ? SDR_BAD_INPUT : SDR_IO_ERROR;
+  sdr_fail(status, "there is no scene '%s': neither a file nor a problem%s%s", name, hint, listed);
+  for (int k = 0; k < count; ++k) sdr_free(names[k]);
+  return status;
 }
 
 sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH])
@@ -99,15 +129,7 @@ sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH])
     return sdr_fail(SDR_BAD_INPUT, "the path of the scene is longer than %d characters",
                     (int)SDR_SCENE_PATH - 1);
   }
-  char names[2048];
-  list_names(names, sizeof names);
-  return sdr_fail(SDR_IO_ERROR, "there is no scene '%s': neither a file nor a problem%s", name,
-                  names);
-}
-
-static int by_name(const void *a, const void *b)
-{
-  return strcmp(*(char *const *)a, *(char *const *)b);
+  return fail_unknown(name);
 }
 
 static void print_problem(const char *name, const char *folder, FILE *out)
@@ -122,26 +144,29 @@ static void print_problem(const char *name, const char *folder, FILE *out)
   sdr_scene_destroy(&scene);
 }
 
+sdr_status sdr_tell_problem(const char *name, FILE *out)
+{
+  char path[SDR_SCENE_PATH];
+  sdr_scene *scene = NULL;
+  SDR_TRY(sdr_find_scene(name, path));
+  SDR_TRY(sdr_scene_load(path, NULL, 0, NULL, &scene));
+  fprintf(out, "%s\nscene               %s\nvariants            %s\n", scene->title, path,
+          *scene->variants ? scene->variants : "none");
+  sdr_scene_destroy(&scene);
+  return SDR_OK;
+}
+
 sdr_status sdr_list_problems(FILE *out)
 {
-  enum { MOST = 1000 };
   const char *folder;
-  char path[SDR_SCENE_PATH];
-  DIR *listing = open_problems(&folder);
-  if (!listing)
+  char *names[MOST_PROBLEMS];
+  const int count = find_names(&folder, names);
+  if (count < 0)
     return sdr_fail(SDR_IO_ERROR, "there is no folder 'problems' here; go to where Sunder lies, or "
                                   "set SUNDER_PROBLEMS to it");
-  char **names = sdr_alloc(MOST, sizeof *names);
-  size_t count = 0;
-  for (const struct dirent *entry; names && (entry = readdir(listing)) && count < MOST;)
-    if (is_problem(folder, entry, path) && (names[count] = sdr_strdup(entry->d_name))) ++count;
-  closedir(listing);
-  if (!names) return SDR_RUN_FAILED;
-  qsort(names, count, sizeof *names, by_name);
-  for (size_t k = 0; k < count; ++k) {
+  for (int k = 0; k < count; ++k) {
     print_problem(names[k], folder, out);
     sdr_free(names[k]);
   }
-  sdr_free(names);
   return SDR_OK;
 }

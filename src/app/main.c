@@ -19,29 +19,42 @@
 
 enum { MOST_SETS = 256 };
 
-static const char usage[] =
-    "Sunder: fracture by dual-horizon peridynamics.\n"
-    "\n"
+static const char head[] = "Sunder: fracture by dual-horizon peridynamics.\n\n";
+
+static const char run_help[] =
     "  sunder run SCENE [-o DIR] [--set KEY=VALUE]... [--variant NAME] [--threads N]\n"
     "                   [--resume CHECKPOINT] [--isa avx512|avx2|baseline] [--quiet]\n"
     "      run a scene; results go to DIR (default out/SCENE[-NAME]; a resumed run goes on in\n"
-    "      the directory of its checkpoint)\n"
+    "      the directory of its checkpoint)\n";
+static const char check_help[] =
     "  sunder check SCENE [--set KEY=VALUE]... [--variant NAME]\n"
-    "      what would run: points, bonds, stable step, memory, constants, defaults\n"
-    "  sunder problems\n"
-    "      the scenes that come with Sunder, one line each\n"
+    "      what would run: variants, points, size and mass, bonds, stable step, memory,\n"
+    "      constants, what has no effect, defaults\n";
+static const char problems_help[] =
+    "  sunder problems [NAME]\n"
+    "      the scenes that come with Sunder, one line each; of one: its file and variants\n";
+static const char plot_help[] =
     "  sunder plot DIR [--field NAME] [--time T] [--deformed FACTOR] [--slice PLANE]\n"
     "              [--movie] [-o FILE]\n"
     "      pictures of a run: a field (damage by default) and the energies over time;\n"
     "      T may carry a unit, as in --time \"45 us\"; --deformed moves points by FACTOR times\n"
     "      their displacement; a solid body shows a slice besides, as in --slice \"z=2 mm\"\n"
-    "      (none: no slice); --movie draws all frames\n"
-    "  sunder compare DIR_A DIR_B [-o FILE.png]\n"
-    "      two runs side by side: a table and a picture\n"
-    "  sunder --help | --version\n"
-    "\n"
+    "      (none: no slice); --movie draws all frames\n";
+static const char compare_help[] = "  sunder compare DIR_A DIR_B [-o FILE.png]\n"
+                                   "      two runs side by side: a table and a picture\n";
+static const char other_help[] = "  sunder help [COMMAND] | --help | --version\n";
+
+static const char scene_help[] =
     "SCENE is a YAML file or the name of a folder in problems/. docs/scene.md lists every key.\n"
-    "KEY=VALUE overrides a key of the scene, as in --set points.spacing=\"1 mm\".\n"
+    "KEY=VALUE overrides a key of the scene, as in --set points.spacing=\"1 mm\".\n";
+static const char words_help[] =
+    "Models: bond_based ordinary nonordinary. Damage laws: none variational critical_stretch at1\n"
+    "cohesive. Integrators: leapfrog static cvode ida energy_momentum.\n";
+static const char fields_help[] =
+    "Fields (output.fields of the scene): displacement velocity acceleration damage\n"
+    "energy_density dissipated force reaction stress strain dilatation material horizon spacing\n"
+    "level fragment; components as in stress.xx.\n";
+static const char status_help[] =
     "Exit status: 0 done, 1 bad input, 2 the run failed, 3 a file could not be read or written,\n"
     "4 stopped by SIGINT or SIGTERM after writing DIR/checkpoint.h5.\n";
 
@@ -56,10 +69,11 @@ typedef struct {
 
 typedef struct {
   const char *name;
-  int arguments;       /* how many it takes */
-  const char *options; /* the options it knows, each between blanks */
-  const char *wants;   /* what to give, for the message */
+  int least, arguments; /* how many it needs and takes */
+  const char *options;  /* the options it knows, each between blanks */
+  const char *wants;    /* what to give, for the message */
   sdr_status (*call)(const command_line *line);
+  const char *help, *words; /* its lines, and of the words in them; "": none */
 } command_entry;
 
 /* ---- reading the command line ---------------------------------------------------------------- */
@@ -130,7 +144,7 @@ static sdr_status read_line(const command_entry *command, int count, char **word
                       command->wants, words[k]);
     }
   }
-  if (line->argument_count < command->arguments)
+  if (line->argument_count < command->least)
     return sdr_fail(SDR_BAD_INPUT, "sunder %s needs %s (see sunder --help)", command->name,
                     command->wants);
   return SDR_OK;
@@ -205,8 +219,8 @@ static sdr_status check(const command_line *line)
 
 static sdr_status problems(const command_line *line)
 {
-  (void)line;
-  return sdr_list_problems(stdout);
+  return line->argument_count > 0 ? sdr_tell_problem(line->arguments[0], stdout)
+                                  : sdr_list_problems(stdout);
 }
 
 static sdr_status plot(const command_line *line)
@@ -229,37 +243,78 @@ static sdr_status compare(const command_line *line)
 }
 
 static const command_entry commands[] = {
-    {"run", 1, " -o --set --variant --threads --resume --isa --quiet ", "a scene", run},
-    {"check", 1, " --set --variant ", "a scene", check},
-    {"problems", 0, " ", "nothing", problems},
-    {"plot", 1, " --field --time --deformed --slice --movie -o ", "the directory of a run", plot},
-    {"compare", 2, " -o ", "the directories of two runs", compare}};
+    {"run", 1, 1, " -o --set --variant --threads --resume --isa --quiet ", "a scene", run, run_help,
+     words_help},
+    {"check", 1, 1, " --set --variant ", "a scene", check, check_help, words_help},
+    {"problems", 0, 1, " ", "the name of a problem or nothing", problems, problems_help, ""},
+    {"plot", 1, 1, " --field --time --deformed --slice --movie -o ", "the directory of a run", plot,
+     plot_help, fields_help},
+    {"compare", 2, 2, " -o ", "the directories of two runs", compare, compare_help, ""}};
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+/* ---- help ------------------------------------------------------------------------------------ */
+
+static void print_help(FILE *out)
+{
+  fputs(head, out);
+  for (size_t k = 0; k < COMMANDS; ++k) fputs(commands[k].help, out);
+  fprintf(out, "%s\n%s%s%s%s", other_help, scene_help, words_help, fields_help, status_help);
+}
+
+static void print_command_help(const command_entry *command, FILE *out)
+{
+  const int takes_scene = strcmp(command->wants, "a scene") == 0;
+  fprintf(out, "%s\n%s%s%s", command->help, takes_scene ? scene_help : "", command->words,
+          status_help);
+}
+
+static const command_entry *find_command(const char *name)
+{
+  for (size_t k = 0; k < COMMANDS; ++k)
+    if (strcmp(name, commands[k].name) == 0) return &commands[k];
+  return NULL;
+}
+
+static sdr_status fail_unknown(const char *name)
+{
+  return sdr_fail(SDR_BAD_INPUT,
+                  "there is no command '%s'; there are run, check, problems, plot, compare, help",
+                  name);
+}
+
+static int is_help(const char *word)
+{
+  return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
+}
+
+static sdr_status help(int count, char **words)
+{
+  const command_entry *command = count > 2 ? find_command(words[2]) : NULL;
+  if (count > 2 && !command) return fail_unknown(words[2]);
+  if (command)
+    print_command_help(command, stdout);
+  else
+    print_help(stdout);
+  return SDR_OK;
+}
 
 static sdr_status call_command(int count, char **words)
 {
-  if (strcmp(words[1], "--help") == 0 || strcmp(words[1], "-h") == 0 ||
-      strcmp(words[1], "help") == 0) {
-    fputs(usage, stdout);
-    return SDR_OK;
-  }
+  command_line line = {0};
+  if (is_help(words[1]) || strcmp(words[1], "help") == 0) return help(count, words);
   if (strcmp(words[1], "--version") == 0) {
     printf("sunder %s\n", SUNDER_VERSION);
     return SDR_OK;
   }
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; ++k) {
-    command_line line = {0};
-    if (strcmp(words[1], commands[k].name) != 0) continue;
-    for (int w = 2; w < count; ++w)
-      if (strcmp(words[w], "--help") == 0 || strcmp(words[w], "-h") == 0) {
-        fputs(usage, stdout);
-        return SDR_OK;
-      }
-    SDR_TRY(read_line(&commands[k], count - 2, words + 2, &line));
-    return commands[k].call(&line);
-  }
-  return sdr_fail(SDR_BAD_INPUT,
-                  "there is no command '%s'; there are run, check, problems, plot, compare",
-                  words[1]);
+  const command_entry *command = find_command(words[1]);
+  if (!command) return fail_unknown(words[1]);
+  for (int w = 2; w < count; ++w)
+    if (is_help(words[w])) {
+      print_command_help(command, stdout);
+      return SDR_OK;
+    }
+  SDR_TRY(read_line(command, count - 2, words + 2, &line));
+  return command->call(&line);
 }
 
 /* Idle threads that spin slow a shared machine down; libgomp reads this when it is loaded, so the
@@ -274,7 +329,7 @@ static void limit_spinning(char **words)
 int main(int count, char **words)
 {
   if (count < 2) {
-    fputs(usage, stderr);
+    print_help(stderr);
     return SDR_BAD_INPUT;
   }
   limit_spinning(words);

@@ -70,7 +70,7 @@ void sdr_check_adapt(sdr_reading *rd)
     why = "pieces whose points split cannot touch yet; leave contact or points.adapt out";
   else if (has_layers(scene))
     why = "points that layers follow cannot split; take loads and supports without layers";
-  else if (scene->damage.law == SDR_LAW_NONE && isinf(adapt->energy))
+  else if (sdr_is_lawless(rd) && isinf(adapt->energy))
     why = "without a damage law no damage grows, so no point ever splits; give adapt.energy";
   if (why) sdr_read_error(rd->reader, adapt->origin, "points.adapt: %s", why);
 }

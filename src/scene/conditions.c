@@ -226,11 +226,6 @@ static void read_support(sdr_reading *rd, sdr_node *item, int index)
       read_prescribed(rd, item, "displacement", SDR_LENGTH, SDR_PRESCRIBED_DISPLACEMENT, support);
   given += read_prescribed(rd, item, "velocity", (sdr_unit){1, 0, -1, 0}, SDR_PRESCRIBED_VELOCITY,
                            support);
-  if (given == 0 && r->error_count == before) {
-    sdr_read_error(r, item->origin,
-                   "the support prescribes nothing; give displacement or velocity, like "
-                   "displacement: {x: 0}");
-  }
   sdr_read_flag(r, item, "mean", SDR_OPTIONAL, &support->mean);
   if (support->mean && support->layer)
     sdr_read_error(r, sdr_node_find(item, "mean")->origin,
@@ -238,6 +233,10 @@ static void read_support(sdr_reading *rd, sdr_node *item, int index)
   read_schedule(rd, item, &support->schedule);
   if (support->layer) check_mirror(rd, item, support);
   sdr_read_done(r, item);
+  if (given == 0 && r->error_count == before) /* an unknown key was likely meant for it */
+    sdr_read_error(r, item->origin,
+                   "the support prescribes nothing; give displacement or velocity, like "
+                   "displacement: {x: 0}");
 }
 
 void sdr_read_supports(sdr_reading *rd)

@@ -85,7 +85,7 @@ static int have_cracks(sdr_reading *rd, const sdr_node *map)
   const char *why = NULL;
   if (sdr_components(rd->reader->dimension) < 2)
     why = "tips of cracks are followed in 2-D and 3-D only";
-  else if (rd->scene->damage.law == SDR_LAW_NONE)
+  else if (sdr_is_lawless(rd))
     why = "without a damage law no crack grows; give damage.law, or leave this out";
   if (why) sdr_read_error(rd->reader, map->key_origin, "%s", why);
   return !why;

@@ -85,6 +85,14 @@ static void check_model(sdr_reading *rd, sdr_node *map)
                  node->text, sdr_model_words[rd->scene->model]);
 }
 
+int sdr_is_lawless(const sdr_reading *rd)
+{
+  const sdr_node *map = sdr_node_find(rd->root, "damage");
+  const sdr_node *law = map && map->kind == SDR_MAPPING ? sdr_node_find(map, "law") : NULL;
+  const int in_error = law && (law->kind != SDR_SCALAR || strcmp(law->text, "none") != 0);
+  return rd->scene->damage.law == SDR_LAW_NONE && !in_error;
+}
+
 /* Without the section there is no damage; a section must name its law. */
 void sdr_read_damage(sdr_reading *rd)
 {

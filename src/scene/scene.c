@@ -127,16 +127,26 @@ static void apply_set(sdr_reader *reader, sdr_node *root, const char *set)
 
 /* ---- variants -------------------------------------------------------------------------------- */
 
+/* Their names, ", " between; "" if memory ran out, which is noted. */
+static const char *variant_names(sdr_reader *reader, const sdr_node *variants)
+{
+  const char *names = "";
+  if (!variants || variants->kind != SDR_MAPPING) return names;
+  for (const sdr_node *v = variants->first; v; v = v->next) {
+    names = sdr_store_format(reader->store, "%s%s%s", names, *names ? ", " : "", v->key);
+    if (names) continue;
+    sdr_read_fatal(reader, SDR_RUN_FAILED);
+    return "";
+  }
+  return names;
+}
+
 static void unknown_variant(sdr_reader *reader, const sdr_node *variants, const char *variant)
 {
-  char names[400] = "";
-  size_t used = 0;
-  for (const sdr_node *v = variants ? variants->first : NULL; v && used < sizeof names;
-       v = v->next) {
-    used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", v->key);
-  }
-  sdr_read_error(reader, (sdr_origin){reader->file, 0, 0}, "unknown variant '%.60s'; %s%s", variant,
-                 used ? "variants of this scene: " : "this scene has no variants", names);
+  const char *names = variant_names(reader, variants);
+  sdr_read_error(reader, (sdr_origin){reader->file, 0, 0}, "unknown variant '%.60s'; %s%.400s",
+                 variant, *names ? "variants of this scene: " : "this scene has no variants",
+                 names);
 }
 
 /* Merge the variant that is asked for, then drop `variants`; 0 on error. */
@@ -330,6 +340,7 @@ static sdr_status read_scene(const request *asked, sdr_reader *reader, sdr_scene
   copy = sdr_node_copy(scene->store, root);
   if (!copy) return SDR_RUN_FAILED;
   check_variants_block(reader, root);
+  scene->variants = variant_names(reader, sdr_node_find(root, "variants"));
   read_tree(reader, asked, copy, scene);
   check_other_variants(reader, asked, root);
   SDR_TRY(sdr_read_finish(reader));

@@ -62,6 +62,8 @@ void sdr_check_adapt(sdr_reading *reading);                  /* refuse it where 
 void sdr_read_model(sdr_reading *reading);     /* of the first material; its errors come later */
 void sdr_read_family(sdr_reading *reading);    /* after model */
 void sdr_read_damage(sdr_reading *reading);    /* after model */
+/* 1 if the scene wants no damage law; a law that is in error is one. */
+int sdr_is_lawless(const sdr_reading *reading);
 void sdr_read_materials(sdr_reading *reading); /* after damage: the law decides on toughness */
 /* Words for models, in the order of sdr_model_kind, ended by NULL. */
 extern const char *const sdr_model_words[];

@@ -137,6 +137,20 @@ static void scenes_that_cannot_be_read_are_io_errors(void **state)
   }
 }
 
+static void a_mistyped_name_is_bad_input_and_names_the_nearest(void **state)
+{
+  (void)state;
+  said s;
+  succeed(&s, "mkdir -p named/thick_cylinder named/bar named/wave && touch hole.yaml && "
+              "for p in bar wave thick_cylinder; do touch named/$p/scene.yaml; done");
+  refuse(&s, "SUNDER_PROBLEMS=named sunder run thick_cylindr", 1,
+         "sunder: there is no scene 'thick_cylindr': neither a file nor a problem (did you mean "
+         "'thick_cylinder'?); problems: bar, thick_cylinder, wave\n");
+  refuse(&s, "SUNDER_PROBLEMS=named sunder check hole", 1,
+         "sunder: there is no scene 'hole': neither a file nor a problem (did you mean the file "
+         "'hole.yaml'?); problems: bar, thick_cylinder, wave\n");
+}
+
 static void directories_that_cannot_be_written_are_io_errors(void **state)
 {
   (void)state;
@@ -277,6 +291,7 @@ int main(void)
       cmocka_unit_test(overrides_that_are_wrong_only_after_reading_give_their_text),
       cmocka_unit_test(a_run_that_blows_up_names_time_and_point_and_leaves_no_summary),
       cmocka_unit_test(scenes_that_cannot_be_read_are_io_errors),
+      cmocka_unit_test(a_mistyped_name_is_bad_input_and_names_the_nearest),
       cmocka_unit_test(directories_that_cannot_be_written_are_io_errors),
       cmocka_unit_test(a_full_disk_is_an_io_error_and_leaves_whole_frames_and_rows_only),
       cmocka_unit_test(a_full_disk_gives_exit_status_3),

@@ -11,8 +11,7 @@
 static void help_goes_to_stdout_and_succeeds(void **state)
 {
   (void)state;
-  static const char *const commands[] = {"sunder -h", "sunder help", "sunder run --help",
-                                         "sunder plot DIR -h", "sunder check --nonsense --help"};
+  static const char *const commands[] = {"sunder -h", "sunder help"};
   said help, other;
   succeed(&help, "sunder --help");
   assert_non_null(strstr(help.out, "sunder run SCENE [-o DIR]"));
@@ -21,6 +20,26 @@ static void help_goes_to_stdout_and_succeeds(void **state)
     succeed(&other, commands[k]);
     assert_string_equal(other.out, help.out);
   }
+}
+
+static void help_for_a_command_is_about_that(void **state)
+{
+  (void)state;
+  static const char *const ways[] = {"sunder help plot", "sunder plot DIR -h",
+                                     "sunder plot --nonsense --help"};
+  said s;
+  for (size_t k = 0; k < sizeof ways / sizeof *ways; ++k) {
+    succeed(&s, ways[k]);
+    assert_ptr_equal(strstr(s.out, "  sunder plot DIR [--field NAME]"), s.out);
+    assert_non_null(strstr(s.out, "level fragment; components as in stress.xx.\n"));
+    assert_non_null(strstr(s.out, "\nExit status: 0 done,"));
+    assert_null(strstr(s.out, "sunder run"));
+  }
+  succeed(&s, "sunder run --help");
+  assert_non_null(strstr(s.out, "Damage laws: none variational critical_stretch at1\ncohesive."));
+  refuse(
+      &s, "sunder help fly", 1,
+      "sunder: there is no command 'fly'; there are run, check, problems, plot, compare, help\n");
 }
 
 static void no_command_at_all_shows_the_help_and_fails(void **state)
@@ -43,8 +62,8 @@ static void wrong_command_lines_say_what_would_be_right(void **state)
 {
   (void)state;
   static const char *const cases[][2] = {
-      {"fly", "there is no command 'fly'; there are run, check, problems, plot, compare"},
-      {"--fly", "there is no command '--fly'; there are run, check, problems, plot, compare"},
+      {"fly", "there is no command 'fly'; there are run, check, problems, plot, compare, help"},
+      {"--fly", "there is no command '--fly'; there are run, check, problems, plot, compare, help"},
       {"run", "sunder run needs a scene (see sunder --help)"},
       {"run a b", "sunder run takes a scene; 'b' is one too many"},
       {"run a --fly", "sunder run has no option '--fly'; it takes: -o --set --variant --threads "
@@ -57,7 +76,8 @@ static void wrong_command_lines_say_what_would_be_right(void **state)
       {"run a -o ''", "option '-o' needs a value"},
       {"run a --set=", "option '--set' needs a value"},
       {"run a --quiet=1", "option '--quiet' takes no value"},
-      {"problems a", "sunder problems takes nothing; 'a' is one too many"},
+      {"problems a b",
+       "sunder problems takes the name of a problem or nothing; 'b' is one too many"},
       {"plot", "sunder plot needs the directory of a run (see sunder --help)"},
       {"compare a", "sunder compare needs the directories of two runs (see sunder --help)"},
       {"run thick_cylinder --threads 0", "--threads '0': give a whole number from 1 to 256"},
@@ -96,6 +116,10 @@ static void problems_are_listed_one_a_line(void **state)
   succeed(&s, "sunder problems");
   assert_non_null(
       strstr(s.out, "thick_cylinder           Thick cylinder under internal pressure\n"));
+  succeed(&s, "sunder problems thick_cylinder");
+  assert_non_null(strstr(s.out, "Thick cylinder under internal pressure\nscene               "));
+  assert_non_null(strstr(s.out, "/scene.yaml\nvariants            "));
+  assert_non_null(strstr(s.out, ", coarse_1mm, coarse_2mm, coarse_4mm"));
   succeed(&s, "mkdir -p mine/bar mine/empty mine/wrong && "
               "cp '" SUNDER_SOURCE_DIR "/tests/scenes/good/bar.yaml' mine/bar/scene.yaml && "
               "echo 'title: [' > mine/wrong/scene.yaml && mkdir -p elsewhere && cd elsewhere && "
@@ -350,6 +374,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(help_goes_to_stdout_and_succeeds),
+      cmocka_unit_test(help_for_a_command_is_about_that),
       cmocka_unit_test(no_command_at_all_shows_the_help_and_fails),
       cmocka_unit_test(the_version_is_printed),
       cmocka_unit_test(wrong_command_lines_say_what_would_be_right),

@@ -593,12 +593,31 @@ static void what_nothing_looks_at_is_listed(void **state)
   sdr_scene_destroy(&s);
 }
 
+static void a_mistyped_law_is_not_called_none(void **state)
+{
+  (void)state;
+  sdr_scene *s = NULL;
+  assert_int_equal(sdr_scene_parse(SOFT "damage: {law: critical_strech}\n"
+                                        "output: {cracks: {tips: {a: {start: [0, 0.5]}}}}\n"
+                                        "time: {end: 1 s}\n",
+                                   "typo.yaml", &s),
+                   SDR_BAD_INPUT);
+  assert_string_equal(sdr_error_message(),
+                      "typo.yaml:4:15: unknown law 'critical_strech'; did you mean "
+                      "'critical_stretch'? available: none, variational, critical_stretch, at1, "
+                      "cohesive");
+}
+
 static void what_could_never_act_is_refused(void **state)
 {
   (void)state;
   static const char *const sets[][2] = {
       {"loads=[{traction: {on: top, value: [0, 1], until: -1 us}}]",
        "--set loads: 'until' lies before the run, which begins at t = 0, so this would never act"},
+      {"supports=[{on: bottom, velcity: {y: 0}}]",
+       "--set supports: unknown key 'velcity'; did you mean 'velocity'? known here: name, on, "
+       "layer, "
+       "depth, displacement, velocity, mean, from, until, ramp"},
       {"time={integrator: static, safety: 2}",
        "--set time: time.safety = 2 is out of range; allowed: above 0 and at most 1"},
       {"variants.a.points.spacng=3",
@@ -616,6 +635,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_nothing_looks_at_is_listed),
       cmocka_unit_test(what_could_never_act_is_refused),
+      cmocka_unit_test(a_mistyped_law_is_not_called_none),
       cmocka_unit_test(the_example_of_the_design_loads),
       cmocka_unit_test(every_key_of_a_plate_arrives),
       cmocka_unit_test(every_key_of_a_state_based_body_arrives),
