@@ -105,12 +105,17 @@ SDR_INLINE SDR_REAL SDR_NAMED(pair_elongation)(const int components,
   return SDR_NAMED(elongation)(components, of, SDR_NAMED(pair_motion)(components, block, k));
 }
 
-/* Stiffness times force factor of pair k of a block, whose history is `kept`: laws that soften. */
+/* z and r of a pair, and its history. */
+typedef struct {
+  SDR_REAL z, r, kept;
+} SDR_NAMED(sdr_aged);
+
+/* Stiffness times force factor of pair k of a block: laws that soften. */
 SDR_INLINE SDR_REAL SDR_NAMED(softened_factor)(const int law, const int each, const int marked,
                                                const sdr_bond_body *body,
                                                const SDR_NAMED(sdr_terms) * of,
-                                               const sdr_block *block, int k, SDR_REAL z,
-                                               SDR_REAL r, SDR_REAL kept)
+                                               const sdr_block *block, int k,
+                                               SDR_NAMED(sdr_aged) pair)
 {
   const SDR_REAL c = (SDR_REAL)SDR_SHARED_STIFFNESS(body), q = (SDR_REAL)body->threshold;
   const SDR_REAL ci = of->wij * (each ? block->SDR_NAMED(ci)[k] : c);
@@ -118,14 +123,15 @@ SDR_INLINE SDR_REAL SDR_NAMED(softened_factor)(const int law, const int each, co
   const SDR_REAL qi = each ? block->SDR_NAMED(qi)[k] : q;
   const SDR_REAL qj = each ? block->SDR_NAMED(qj)[k] : q;
   if (law == SDR_LAW_VARIATIONAL)
-    return SDR_NAMED(variational_factor)(each, marked, z, r, kept, ci, qi, cj, qj);
+    return SDR_NAMED(variational_factor)(each, marked, pair.z, pair.r, pair.kept, ci, qi, cj, qj);
   /* the others have one form for all kinds of number */
-  const double grown = kept > (SDR_REAL)0 ? (double)kept : 0.0;
+  const double grown = pair.kept > (SDR_REAL)0 ? (double)pair.kept : 0.0;
   const SDR_REAL soft_i = (SDR_REAL)block_softening(law, each, body, block, k, 0, grown).left;
   const SDR_REAL soft_j =
       each ? (SDR_REAL)block_softening(law, each, body, block, k, 1, grown).left : soft_i;
   const SDR_REAL soft = SDR_FMA(ci, soft_i, cj * soft_j);
-  return SDR_NAMED(stiffness_left)(marked, z, kept, soft, ci + cj) * SDR_NAMED(force_factor)(z, r);
+  return SDR_NAMED(stiffness_left)(marked, pair.z, pair.kept, soft, ci + cj) *
+         SDR_NAMED(force_factor)(pair.z, pair.r);
 }
 
 /* Pairs of a block and those after them up to a whole vector: what is computed for the latter is
@@ -289,8 +295,9 @@ SDR_INLINE void SDR_NAMED(force_of_softening)(const int components, const int la
   }
 #pragma omp simd
   for (int k = 0; k < n; ++k) {
-    const SDR_REAL phi = SDR_MEND(
-        of, SDR_NAMED(softened_factor)(law, each, marked, body, &of, block, k, Z[k], R[k], K[k]));
+    const SDR_NAMED(sdr_aged) pair = {Z[k], R[k], K[k]};
+    const SDR_REAL phi =
+        SDR_MEND(of, SDR_NAMED(softened_factor)(law, each, marked, body, &of, block, k, pair));
     fx[k] = (SDR_WHOLE)(phi * Y[0][k]);
     if (components > 1) fy[k] = (SDR_WHOLE)(phi * Y[1][k]);
     if (components > 2) fz[k] = (SDR_WHOLE)(phi * Y[2][k]);
