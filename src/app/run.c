@@ -345,17 +345,23 @@ static sdr_status summarise(run *r, FILE *out)
   return status;
 }
 
-/* A resumed run goes on with the history and snapshots in its directory: they must be its own. */
-static sdr_status check_same_scene(const run *r)
+/* 1 if the directory holds results of another scene. */
+static int holds_another(const run *r)
 {
   char path[sizeof r->directory + 16];
   sdr_scene *there = NULL;
   snprintf(path, sizeof path, "%s/used.yaml", r->directory);
-  if (access(path, F_OK) != 0) return SDR_OK;
+  if (access(path, F_OK) != 0) return 0;
   const int same =
       sdr_scene_load(path, NULL, 0, NULL, &there) == SDR_OK && there->hash == r->built.scene->hash;
   sdr_scene_destroy(&there);
-  if (same) return SDR_OK;
+  return !same;
+}
+
+/* A resumed run goes on with the history and snapshots in its directory: they must be its own. */
+static sdr_status check_same_scene(const run *r)
+{
+  if (!holds_another(r)) return SDR_OK;
   return sdr_fail(SDR_BAD_INPUT,
                   "the results in %s are of another scene, so they cannot be continued; give the "
                   "scene, --variant and --set that they were made with (see used.yaml there), or "
@@ -377,7 +383,10 @@ static sdr_status set_up(run *r, sdr_scene **scene, const sdr_run_options *optio
   SDR_TRY(sdr_figures_known(r->built.scene));
   SDR_TRY(sdr_name_directory(r->built.scene, options->directory, options->resume, r->directory));
   if (options->resume) SDR_TRY(check_same_scene(r));
+  const int replaces = !options->resume && !options->quiet && holds_another(r);
   SDR_TRY(sdr_rundir_open(r->directory, options->resume != NULL, &r->lock));
+  if (replaces)
+    fprintf(stderr, "sunder: the results of another scene in %s are replaced\n", r->directory);
   if (!options->quiet) warn(r->built.scene, r->built.warning);
   r->moment = sdr_watch_moment(&r->built, r->directory);
   SDR_TRY(sdr_watchers_create(&r->built, &r->moment, !options->quiet, &r->watch));

@@ -134,18 +134,20 @@ static sdr_status remove_one(const char *directory, const char *name, const char
   return sdr_fail(SDR_IO_ERROR, "cannot remove %s: %s", path, strerror(errno));
 }
 
-/* FIELD.png and FIELD.COMPONENT.png of `plot`, with _at_TIME at the end of the stem or without, its
-   ledger.png and reactions.png, compare.png of `compare`. */
+/* FIELD.png and FIELD.COMPONENT.png of `plot` (movies .mp4 or .gif), with _at_TIME at the end of
+   the stem or without, its ledger.png and reactions.png, compare.png of `compare`. */
 static int is_our_picture(const char *name)
 {
   char stem[32];
   const size_t length = strlen(name), dot = strcspn(name, ".");
   const char *at = strstr(name, "_at_");
   const size_t first = at && (size_t)(at - name) < dot ? (size_t)(at - name) : dot;
-  if (length < 4 || strcmp(name + length - 4, ".png") != 0 || first >= sizeof stem) return 0;
+  const char *ending = length < 4 ? "" : name + length - 4;
+  const int is_movie = strcmp(ending, ".mp4") == 0 || strcmp(ending, ".gif") == 0;
+  if ((!is_movie && strcmp(ending, ".png") != 0) || first >= sizeof stem) return 0;
   memcpy(stem, name, first);
   stem[first] = '\0';
-  const int whole = first == length - 4;
+  const int whole = first == length - 4 && !is_movie;
   if (whole && (strcmp(stem, "ledger") == 0 || strcmp(stem, "compare") == 0 ||
                 strcmp(stem, "reactions") == 0))
     return 1;

@@ -33,10 +33,11 @@ static void trying_a_directory_leaves_nothing_new(void **state)
 }
 
 static const char *const ours[] = {
-    "summary.json",        "history.csv",   "snapshots.h5",      "snapshots.xdmf",
-    "checkpoint.h5",       "used.yaml",     "damage.png",        "energy_density.png",
-    "ledger.png",          "stress.xx.png", "reactions.png",     "damage_at_43.6us.png",
-    "stress.xx_at_1s.png", "compare.png",   "summary.json.part", "checkpoint.h5.part"};
+    "summary.json",        "history.csv",       "snapshots.h5",      "snapshots.xdmf",
+    "checkpoint.h5",       "used.yaml",         "damage.png",        "energy_density.png",
+    "ledger.png",          "stress.xx.png",     "reactions.png",     "damage_at_43.6us.png",
+    "stress.xx_at_1s.png", "compare.png",       "summary.json.part", "damage.mp4",
+    "stress.xx.gif",       "checkpoint.h5.part"};
 enum { OURS = sizeof ours / sizeof *ours };
 
 static void a_new_run_removes_our_files_and_no_others(void **state)
@@ -49,11 +50,13 @@ static void a_new_run_removes_our_files_and_no_others(void **state)
   body_write(&b, "notes.txt", "mine");
   body_write(&b, "photo.png", "mine");
   body_write(&b, "damage.jpg", "mine");
+  body_write(&b, "ledger.mp4", "mine");
   assert_int_equal(sdr_rundir_open(b.directory, 0, &lock), SDR_OK);
   for (int k = 0; k < OURS; ++k) assert_false(body_has(&b, ours[k]));
   assert_true(body_has(&b, "notes.txt"));
   assert_true(body_has(&b, "photo.png"));
   assert_true(body_has(&b, "damage.jpg"));
+  assert_true(body_has(&b, "ledger.mp4"));
   sdr_rundir_close(b.directory, lock);
   body_destroy(&b);
 }
