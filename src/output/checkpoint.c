@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { NAME_SIZE = 160 };
@@ -197,6 +198,25 @@ static sdr_status fail_not_whole(const char *path)
   return sdr_fail(SDR_BAD_INPUT, "%s is not a whole checkpoint: it is truncated or damaged", path);
 }
 
+/* What is no checkpoint at all, and where one may lie. */
+static sdr_status fail_not_one(const char *path)
+{
+  struct stat info;
+  const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+  const int length = (int)(name - path);
+  if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+    return sdr_fail(SDR_BAD_INPUT, "%s is a directory, not a checkpoint; give %s%scheckpoint.h5",
+                    path, path, path[strlen(path) - 1] == '/' ? "" : "/");
+  if (strcmp(name, "snapshots.h5") == 0)
+    return sdr_fail(SDR_BAD_INPUT, "%s holds snapshots, not a checkpoint; give %.*scheckpoint.h5",
+                    path, length, path);
+  if (strlen(name) > 5 && strcmp(name + strlen(name) - 5, ".yaml") == 0)
+    return sdr_fail(SDR_BAD_INPUT,
+                    "%s is a scene, not a checkpoint; give the checkpoint.h5 of a run's directory",
+                    path);
+  return fail_not_whole(path);
+}
+
 static sdr_status check_items(sdr_hdf *file, const char *path, const item items[ITEMS])
 {
   for (int k = 0; k < ITEMS; ++k) {
@@ -204,10 +224,11 @@ static sdr_status check_items(sdr_hdf *file, const char *path, const item items[
     if (sdr_hdf_read_text(file, items[k].key, found, sizeof found) != SDR_OK)
       return fail_not_whole(path);
     if (strcmp(found, items[k].text) != 0)
-      return sdr_fail(SDR_BAD_INPUT,
-                      "%s does not fit this run: its %s is %s, this run's is %s; only time.end, "
-                      "output and threads may differ",
-                      path, items[k].what, found, items[k].text);
+      return sdr_fail(
+          SDR_BAD_INPUT,
+          "%s does not fit this run: its %s is %s, this run's is %s; only title, "
+          "output, figures, threads, time.end, time.allow_unstable and damage.onset may differ",
+          path, items[k].what, found, items[k].text);
   }
   return SDR_OK;
 }
@@ -279,7 +300,7 @@ static sdr_status tell_observers(const sdr_moment *moment, sdr_observer *const *
 /* HDF5 sees no file that is not as it was written. */
 static sdr_status open_whole(const char *path, sdr_hdf **file)
 {
-  if (access(path, R_OK) == 0 && !sdr_seal_holds(path)) return fail_not_whole(path);
+  if (access(path, R_OK) == 0 && !sdr_seal_holds(path)) return fail_not_one(path);
   const sdr_status status = sdr_hdf_open(path, 0, file);
   return status == SDR_BAD_INPUT ? fail_not_whole(path) : status;
 }

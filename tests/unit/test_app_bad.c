@@ -242,7 +242,8 @@ static void a_full_disk_gives_exit_status_3(void **state)
 static void checkpoints_that_do_not_fit_are_refused_and_change_nothing(void **state)
 {
   (void)state;
-  static const char *const fits = "; only time.end, output and threads may differ\n";
+  static const char *const fits = "; only title, output, figures, threads, time.end, "
+                                  "time.allow_unstable and damage.onset may differ\n";
   said s, before, after;
   shell(&s, "sunder run " SHORT " -o done --set output.checkpoint.every='2 us' && "
             "cp done/checkpoint.h5 copy.h5 && head -c 100000 copy.h5 > cut.h5 && "
@@ -259,7 +260,14 @@ static void checkpoints_that_do_not_fit_are_refused_and_change_nothing(void **st
   refuse(&s, "sunder run " SHORT " -o done --resume empty.h5", 1,
          "sunder: empty.h5 is not a whole checkpoint: it is truncated or damaged\n");
   refuse(&s, "sunder run " SHORT " -o done --resume done/snapshots.h5", 1,
-         "sunder: done/snapshots.h5 is not a whole checkpoint: it is truncated or damaged\n");
+         "sunder: done/snapshots.h5 holds snapshots, not a checkpoint; give done/checkpoint.h5\n");
+  refuse(&s, "sunder run " SHORT " -o done --resume done/", 1,
+         "sunder: done/ is a directory, not a checkpoint; give done/checkpoint.h5\n");
+  refuse(&s, "sunder run " SHORT " -o done --resume done", 1,
+         "sunder: done is a directory, not a checkpoint; give done/checkpoint.h5\n");
+  refuse(&s, "sunder run " SHORT " -o done --resume done/used.yaml", 1,
+         "sunder: done/used.yaml is a scene, not a checkpoint; give the checkpoint.h5 of a run's "
+         "directory\n");
   refuse(&s, "sunder run " SHORT " --set time.end='4 us' --resume done/checkpoint.h5", 1,
          "sunder: done/checkpoint.h5 is at t = 8e-06 s, past this run's end at t = 4e-06 s; give a "
          "later time.end\n");

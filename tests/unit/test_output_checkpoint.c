@@ -185,7 +185,8 @@ static void another_scene_is_refused(void **state)
   pair_create(&p);
   p.to.b.scene->hash = 1;
   expect_refused(&p, "does not fit this run: its scene hash is 0123456789abcdef, this run's is "
-                     "0000000000000001; only time.end, output and threads may differ");
+                     "0000000000000001; only title, output, figures, threads, time.end, "
+                     "time.allow_unstable and damage.onset may differ");
   pair_destroy(&p);
 }
 
@@ -196,7 +197,8 @@ static void another_precision_is_refused(void **state)
   pair_create(&p);
   p.to.b.scene->mixed = 1;
   expect_refused(&p, "does not fit this run: its precision is double, this run's is mixed; only "
-                     "time.end, output and threads may differ");
+                     "title, output, figures, "
+                     "threads, time.end, time.allow_unstable and damage.onset may differ");
   pair_destroy(&p);
 }
 
@@ -207,7 +209,8 @@ static void another_number_of_points_is_refused(void **state)
   pair_create(&p);
   p.to.b.system->count = POINTS - 1;
   expect_refused(&p, "does not fit this run: its number of points is 40, this run's is 39; only "
-                     "time.end, output and threads may differ");
+                     "title, output, figures, "
+                     "threads, time.end, time.allow_unstable and damage.onset may differ");
   pair_destroy(&p);
 }
 
@@ -222,7 +225,8 @@ static void another_instruction_set_is_refused(void **state)
                    SDR_BAD_INPUT);
   snprintf(wanted, sizeof wanted,
            "%s does not fit this run: its instruction set is avx2, this run's is avx512; only "
-           "time.end, output and threads may differ",
+           "title, output, figures, "
+           "threads, time.end, time.allow_unstable and damage.onset may differ",
            path);
   assert_string_equal(sdr_error_message(), wanted);
   expect_same(&p.to, &p.untouched);
