@@ -134,7 +134,8 @@ static void scale(const char *name, sdr_plot_field *field)
   } else if (low < 0.0) {
     field->palette = &sdr_palette_reversed;
   }
-  if (!(field->high > field->low)) {
+  field->flat = !(field->high > field->low);
+  if (field->flat) {
     const double room = field->high != 0.0 ? 0.5 * fabs(field->high) : 0.5;
     field->low -= room;
     field->high += room;
@@ -198,7 +199,17 @@ void sdr_plot_field_clear(sdr_plot_field *field)
 
 void sdr_plot_field_share(sdr_plot_field *a, sdr_plot_field *b)
 {
-  const double low = fmin(a->low, b->low), high = fmax(a->high, b->high);
+  /* Of a flat one the value counts, not the room: frames at rest would pale all others. */
+  double low = fmin(a->flat ? a->least : a->low, b->flat ? b->least : b->low);
+  double high = fmax(a->flat ? a->most : a->high, b->flat ? b->most : b->high);
+  if (!(high > low)) { /* both, and alike */
+    low = a->low;
+    high = a->high;
+  } else if (a->flat || b->flat) {
+    const sdr_palette *palette = a->flat ? b->palette : a->palette;
+    a->palette = b->palette = palette;
+    a->flat = b->flat = 0;
+  }
   a->low = b->low = low;
   a->high = b->high = high;
   a->least = b->least = fmin(a->least, b->least);

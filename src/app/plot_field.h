@@ -12,6 +12,7 @@ typedef struct {
   float *value;               /* a point, SI */
   int pieces;                 /* 1: whole numbers that name pieces, materials or levels */
   double low, high;           /* of the colour scale */
+  int flat;                   /* 1: all values are one, the scale has room beside it */
   double least, most;         /* of the values; a few may lie beyond the colour scale */
   const sdr_palette *palette; /* unused for pieces */
 } sdr_plot_field;

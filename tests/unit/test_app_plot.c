@@ -186,6 +186,17 @@ static void colour_scales_follow_the_signs_of_the_values(void **state)
   assert_ptr_equal(field.palette, &sdr_palette_reversed);
   assert_true(field.low < field.high);
   sdr_plot_field_clear(&field);
+  /* The first frame is at rest, which takes no colour from the others. */
+  sdr_plot_field rest;
+  assert_int_equal(sdr_plot_field_read(run, 2, "stress.yy", &field), SDR_OK);
+  assert_int_equal(sdr_plot_field_read(run, 0, "stress.yy", &rest), SDR_OK);
+  const double high = field.high;
+  assert_true(rest.flat && rest.low == -0.5 && rest.high == 0.5);
+  sdr_plot_field_share(&rest, &field);
+  assert_true(field.low == 0.0 && field.high == high && rest.low == 0.0 && rest.high == high);
+  assert_ptr_equal(rest.palette, &sdr_palette_sequential);
+  sdr_plot_field_clear(&rest);
+  sdr_plot_field_clear(&field);
   sdr_rundata_destroy(&run);
   made_run_remove(dir);
 }
