@@ -6,9 +6,10 @@
 #include "app/plot_gnuplot.h"
 #include "app/plot_view.h"
 
-/* What several frames share. Start with all zero. */
+/* What several frames share. Start with all zero but `film`. */
 typedef struct {
   int frames; /* measured so far */
+  int film;   /* 1: smaller pictures */
   double line[2];
   sdr_extent body, slice;
   sdr_plot_field field; /* without values */

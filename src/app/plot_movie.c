@@ -154,7 +154,7 @@ sdr_status sdr_plot_movie(sdr_rundata *run, const char *field, const sdr_view_ho
                           const char *path, FILE *out)
 {
   places p;
-  sdr_frame_scale scale = {0};
+  sdr_frame_scale scale = {.film = 1};
   SDR_TRY(name_places(run, field, path, &p));
   for (int k = 0; k < run->frame_count; ++k) SDR_TRY(sdr_frame_measure(run, k, field, how, &scale));
   if (mkdir(p.frames, 0777) != 0 && errno != EEXIST)
