@@ -38,6 +38,7 @@ typedef struct {
   int64_t steps_before;          /* taken before a resume */
   double written;                /* s: when the last checkpoint was */
   double started, setup, output; /* s of wall time */
+  int overridden;                /* 1: --set changed the scene */
   char resting[96];              /* for the summary's list of what was skipped */
 } run;
 
@@ -273,6 +274,8 @@ static void print_results(const run *r, const sdr_summary *s, const sdr_ring_cou
   print_method(&r->built.system->method, out);
   print_time(s, &r->built.system->solve, out);
   sdr_figures_print(s, out);
+  if (r->overridden && s->scene->figure_count > 0)
+    fprintf(out, "  accepted ranges are of the scene's own settings, which --set changed\n");
   fprintf(out, "results             %s\n", r->directory);
 }
 
@@ -407,7 +410,10 @@ static void end_progress(sdr_watchers *watch)
 static sdr_status run_body(sdr_scene **scene, double started, const sdr_run_options *options,
                            FILE *out)
 {
-  run r = {.lock = -1, .started = started, .written = (double)-INFINITY};
+  run r = {.lock = -1,
+           .started = started,
+           .written = (double)-INFINITY,
+           .overridden = options->set_count > 0};
   if (options->stoppable) sdr_stop_watch();
   sdr_status status = set_up(&r, scene, options);
   if (status == SDR_OK) status = integrate(&r, options->resume != NULL);

@@ -293,6 +293,8 @@ static void results_go_to_stdout_and_progress_to_stderr(void **state)
   assert_non_null(strstr(s.err, "100 %, 8.00 us of 8.00 us, step 10/10"));
   assert_null(strchr(s.err, '\r')); /* no bar where nobody watches */
   assert_null(strstr(s.err, "replaced"));
+  assert_non_null(strstr(s.out, "\n  accepted ranges are of the scene's own settings, which --set "
+                                "changed\nresults "));
   shell(&s, "sunder run " SHORT " -o loud --set material.young='200 GPa'");
   assert_int_equal(s.code, 0);
   assert_non_null(strstr(s.err, "sunder: the results of another scene in loud are replaced\n"));
