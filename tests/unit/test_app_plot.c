@@ -245,50 +245,6 @@ static void check_failure(const char *dir, const char *field, double time, const
   assert_string_equal(cleaned, message);
 }
 
-static void a_time_that_was_asked_for_is_in_the_name(void **state)
-{
-  (void)state;
-  char dir[512], printed[2000];
-  int height = 0;
-  made_run_write(made_run_name("plot", dir), &small_ring);
-  assert_int_equal(plot(dir, NULL, 4e-5, NULL, printed, sizeof printed), SDR_OK);
-  assert_non_null(strstr(printed, "DIR/damage_at_50us.png: damage at 50 us, frame 2 of 3\n"));
-  assert_true(png_size(dir, "damage_at_50us.png", &height) > 1200);
-  assert_int_equal(png_size(dir, "damage.png", &height), 0);
-  made_run_remove(dir);
-}
-
-static void without_damage_another_field_is_drawn(void **state)
-{
-  (void)state;
-  char dir[512], printed[2000];
-  made_run run = small_ring;
-  run.without_damage = 1;
-  made_run_write(made_run_name("plot", dir), &run);
-  assert_int_equal(plot(dir, NULL, NAN, NULL, printed, sizeof printed), SDR_OK);
-  assert_string_equal(printed,
-                      "DIR: no field damage; drawing displacement\n"
-                      "DIR/ledger.png: energies over time\n"
-                      "DIR/displacement.png: displacement magnitude at 100 us, frame 3 of 3\n");
-  made_run_remove(dir);
-}
-
-static void only_a_solid_body_has_slices(void **state)
-{
-  (void)state;
-  char dir[512], expected[600];
-  sdr_plot_options options = {.directory = dir, .time = (double)NAN, .slice_axis = 3};
-  made_run_write(made_run_name("plot", dir), &small_ring);
-  FILE *out = fopen("/dev/null", "w");
-  assert_int_equal(sdr_plot(&options, out), SDR_BAD_INPUT);
-  fclose(out);
-  snprintf(expected, sizeof expected,
-           "%s: only a solid body has slices, and this one has 2 dimensions; leave out --slice",
-           dir);
-  assert_string_equal(sdr_error_message(), expected);
-  made_run_remove(dir);
-}
-
 static void a_wrong_request_says_what_there_is(void **state)
 {
   (void)state;
@@ -509,9 +465,6 @@ int main(void)
       cmocka_unit_test(a_field_alone_is_its_magnitude_and_components_have_names),
       cmocka_unit_test(colour_scales_follow_the_signs_of_the_values),
       cmocka_unit_test(a_few_stray_values_do_not_take_the_colours_from_the_rest),
-      cmocka_unit_test(a_time_that_was_asked_for_is_in_the_name),
-      cmocka_unit_test(without_damage_another_field_is_drawn),
-      cmocka_unit_test(only_a_solid_body_has_slices),
       cmocka_unit_test(a_wrong_request_says_what_there_is),
       cmocka_unit_test(a_directory_that_is_no_run_is_refused),
       cmocka_unit_test(a_run_without_snapshots_still_gets_its_ledger),

@@ -176,6 +176,71 @@ static void a_movie_has_a_name_of_one_and_no_time(void **state)
   made_run_remove(dir);
 }
 
+/* ---- what a plot of a directory is called, and what it refuses ---- */
+
+static const made_run ring = {.dimension = 2, .cells = 24, .law = "none", .frames = 3};
+
+/* What sdr_plot printed; the caller frees. */
+static char *printed_by(const sdr_plot_options *options, sdr_status expected)
+{
+  char *text = NULL;
+  size_t length = 0;
+  FILE *out = open_memstream(&text, &length);
+  assert_int_equal(sdr_plot(options, out), expected);
+  fclose(out);
+  return text;
+}
+
+static int is_there(const char *dir, const char *name)
+{
+  char path[700];
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  return access(path, F_OK) == 0;
+}
+
+static void a_time_that_was_asked_for_is_in_the_name(void **state)
+{
+  (void)state;
+  char dir[512];
+  const sdr_plot_options options = {.directory = made_run_name("views", dir), .time = 4e-5};
+  made_run_write(dir, &ring);
+  char *printed = printed_by(&options, SDR_OK);
+  assert_non_null(strstr(printed, "/damage_at_50us.png: damage at 50 us, frame 2 of 3\n"));
+  assert_true(is_there(dir, "damage_at_50us.png") && !is_there(dir, "damage.png"));
+  free(printed);
+  made_run_remove(dir);
+}
+
+static void without_damage_another_field_is_drawn(void **state)
+{
+  (void)state;
+  char dir[512];
+  made_run run = ring;
+  run.without_damage = 1;
+  const sdr_plot_options options = {.directory = made_run_name("views", dir), .time = (double)NAN};
+  made_run_write(dir, &run);
+  char *printed = printed_by(&options, SDR_OK);
+  assert_non_null(strstr(printed, ": no field damage; drawing displacement\n"));
+  assert_non_null(strstr(printed, "/displacement.png: displacement magnitude at 100 us, "));
+  free(printed);
+  made_run_remove(dir);
+}
+
+static void only_a_solid_body_has_slices(void **state)
+{
+  (void)state;
+  char dir[512], expected[600];
+  const sdr_plot_options options = {
+      .directory = made_run_name("views", dir), .time = (double)NAN, .slice_axis = 3};
+  made_run_write(dir, &ring);
+  free(printed_by(&options, SDR_BAD_INPUT));
+  snprintf(expected, sizeof expected,
+           "%s: only a solid body has slices, and this one has 2 dimensions; leave out --slice",
+           dir);
+  assert_string_equal(sdr_error_message(), expected);
+  made_run_remove(dir);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -184,6 +249,9 @@ int main(void)
       cmocka_unit_test(points_move_by_their_displacement_times_the_factor),
       cmocka_unit_test(a_movie_is_made_by_what_is_installed),
       cmocka_unit_test(without_a_program_for_movies_the_frames_are_kept),
+      cmocka_unit_test(a_time_that_was_asked_for_is_in_the_name),
+      cmocka_unit_test(without_damage_another_field_is_drawn),
+      cmocka_unit_test(only_a_solid_body_has_slices),
       cmocka_unit_test(a_movie_has_a_name_of_one_and_no_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
