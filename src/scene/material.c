@@ -197,12 +197,10 @@ void sdr_read_materials(sdr_reading *rd)
     sdr_read_error(r, list->key_origin, "'material' and 'materials' together; give one of them");
     return;
   }
-  rd->scene->material_count = 1;
   rd->scene->control_shear = rd->scene->control_normal = NAN;
   if (list) {
     list = sdr_read_list(r, rd->root, "materials", NULL);
     if (!list) return;
-    rd->scene->material_count = list->count;
     if (list->count == 0) {
       sdr_read_error(r, list->origin, "materials is an empty list; give at least one");
       return;
@@ -210,6 +208,7 @@ void sdr_read_materials(sdr_reading *rd)
   }
   rd->scene->material = sdr_reading_room(rd, list, sizeof *rd->scene->material);
   if (!rd->scene->material) return;
+  rd->scene->material_count = list ? list->count : 1;
   if (!list) {
     read_one_material(rd);
     return;
