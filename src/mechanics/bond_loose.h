@@ -126,13 +126,14 @@ SDR_INLINE void histories_of_column(const int marked, const sdr_column *history,
   }
 }
 
+#if SDR_WIDTH == 8 /* all of a column */
 /* Halves that critical stretch breaks now. */
 SDR_INLINE sdr_lanes_int broken_lanes(const int each, const sdr_bond_body *body,
-                                      const sdr_chunk *chunk, const sdr_loose_pairs *p, int lane)
+                                      const sdr_chunk *chunk, const sdr_loose_pairs *p)
 {
-  const sdr_lanes grown = load_lanes(p->grown + lane), both = load_lanes(p->both + lane);
-  const sdr_lanes qi = each ? load_lanes(chunk->q + lane) : all_lanes(body->threshold);
-  const sdr_lanes qj = each ? load_lanes(p->qj + lane) : all_lanes(body->threshold);
+  const sdr_lanes grown = load_lanes(p->grown), both = load_lanes(p->both);
+  const sdr_lanes qi = each ? load_lanes(chunk->q) : all_lanes(body->threshold);
+  const sdr_lanes qj = each ? load_lanes(p->qj) : all_lanes(body->threshold);
   const sdr_lanes square = grown * grown, limit = both * both;
   const sdr_lanes_bits longer = grown > 0.0;
   return ints_of(longer &
@@ -144,26 +145,53 @@ SDR_INLINE void flags_of_column(const int law, const int each, const int marked,
                                 const sdr_bond_body *body, const sdr_column *history,
                                 sdr_chunk *chunk, sdr_loose_pairs *p)
 {
-  for (int lane = 0; lane < SDR_LANES; lane += SDR_WIDTH) {
-    const sdr_lanes_int before = load_ints(history->flags + lane);
-    sdr_lanes_int after = before;
-    if (law == SDR_LAW_CRITICAL_STRETCH) {
-      const sdr_lanes_int lost = broken_lanes(each, body, chunk, p, lane) & ~before;
-      const sdr_lanes_int fresh = load_ints(chunk->fresh + lane);
+  const int critical = law == SDR_LAW_CRITICAL_STRETCH;
+  const sdr_lanes_int before = load_ints(history->flags);
+  sdr_lanes_int after = before;
+  if (critical) {
+    const sdr_lanes_int lost = broken_lanes(each, body, chunk, p) & ~before;
+    after = before | lost | lost << 2;
+    if (marked) after = some_ints((before & SDR_PROTECTED) != 0, before, after);
+    const sdr_lanes_int all = load_ints(chunk->fresh) | after;
+    memcpy(history->new_flags, &after, sizeof after);
+    memcpy(chunk->fresh, &all, sizeof all);
+  }
+  const sdr_lanes_bits flags = bits_of_ints(after);
+  const int i = critical ? SDR_LOST_I : SDR_CUT, j = critical ? SDR_LOST_J : SDR_CUT;
+  const sdr_lanes zero = all_lanes(0.0);
+  const sdr_lanes ci = where_set((flags & i) == 0, load_lanes(p->ci), zero);
+  const sdr_lanes cj = where_set((flags & j) == 0, load_lanes(p->cj), zero);
+  store_lanes(p->left, ci + cj);
+}
+#else
+/* The same, left to the compiler: its vectors are narrow anyway. */
+SDR_INLINE void flags_of_column(const int law, const int each, const int marked,
+                                const sdr_bond_body *body, const sdr_column *history,
+                                sdr_chunk *chunk, sdr_loose_pairs *p)
+{
+  const int critical = law == SDR_LAW_CRITICAL_STRETCH;
+#pragma omp simd
+  for (int lane = 0; lane < SDR_LANES; ++lane) {
+    const sdr_flags before = history->flags[lane];
+    sdr_flags after = before;
+    if (critical) {
+      const double grown = p->grown[lane], square = grown * grown;
+      const double limit = p->both[lane] * p->both[lane];
+      const double qi = each ? chunk->q[lane] : body->threshold;
+      const double qj = each ? p->qj[lane] : body->threshold;
+      const sdr_flags broken = (grown > 0.0 && square > qi * limit ? SDR_LOST_I : 0) |
+                               (grown > 0.0 && square > qj * limit ? SDR_LOST_J : 0);
+      const sdr_flags lost = broken & ~before;
       after = before | lost | lost << 2;
-      if (marked) after = some_ints((before & SDR_PROTECTED) != 0, before, after);
-      const sdr_lanes_int all = fresh | after;
-      memcpy(history->new_flags + lane, &after, sizeof after);
-      memcpy(chunk->fresh + lane, &all, sizeof all);
+      if (marked) after = before & SDR_PROTECTED ? before : after;
+      history->new_flags[lane] = after;
+      chunk->fresh[lane] |= after;
     }
-    const sdr_lanes_bits flags = bits_of_ints(after), zero = {0};
-    const int i = law == SDR_LAW_CRITICAL_STRETCH ? SDR_LOST_I : SDR_CUT;
-    const int j = law == SDR_LAW_CRITICAL_STRETCH ? SDR_LOST_J : SDR_CUT;
-    const sdr_lanes_bits ci = (sdr_lanes_bits)load_lanes(p->ci + lane) & ((flags & i) == zero);
-    const sdr_lanes_bits cj = (sdr_lanes_bits)load_lanes(p->cj + lane) & ((flags & j) == zero);
-    store_lanes(p->left + lane, (sdr_lanes)ci + (sdr_lanes)cj);
+    p->left[lane] = (after & (critical ? SDR_LOST_I : SDR_CUT) ? 0.0 : p->ci[lane]) +
+                    (after & (critical ? SDR_LOST_J : SDR_CUT) ? 0.0 : p->cj[lane]);
   }
 }
+#endif
 
 /* Of a pair that softens: its stiffness, `soft` where it is stretched, and what marks make of it.
  */

@@ -107,7 +107,8 @@ SDR_INLINE void loose_lanes_of(const int n, const sdr_nonordinary_body *body, in
   const sdr_loose *loose = &body->bonds->loose;
   sdr_lanes square = all_lanes(0.0);
   to->j = loose->j + slot;
-  if (loose->shared_weight != 0.0) { /* padding is its own neighbour */
+  /* Padding is its own neighbour; to compare whole numbers two by two costs more than to load. */
+  if (SDR_WIDTH > 2 && loose->shared_weight != 0.0) {
     const sdr_lanes_int alone = load_ints(to->j) == load_ints(loose->point + i);
     to->wi = to->wj =
         where_set(bits_of_ints(alone), all_lanes(0.0), all_lanes(loose->shared_weight));
