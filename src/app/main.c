@@ -36,7 +36,8 @@ static const char problems_help[] =
 static const char plot_help[] =
     "  sunder plot DIR [--field NAME] [--time T] [--deformed FACTOR] [--slice PLANE]\n"
     "              [--movie] [-o FILE]\n"
-    "      pictures of a run: a field (damage by default) and the energies over time;\n"
+    "      pictures of a run: a field (damage by default), the energies over time, and probes\n"
+    "      and reactions where the scene has some; T puts the time into the field's file name;\n"
     "      T may carry a unit, as in --time \"45 us\"; --deformed moves points by FACTOR times\n"
     "      their displacement; a solid body shows a slice besides, as in --slice \"z=2 mm\"\n"
     "      (none: no slice); --movie draws all frames\n";
