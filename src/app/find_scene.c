@@ -114,12 +114,13 @@ static sdr_status fail_unknown(const char *name)
 
 sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH])
 {
-  if (strchr(name, '/') == NULL && strstr(name, ".yaml") == NULL)
-    for (int k = 0; problems_folder(k); ++k) {
-      const int length =
-          snprintf(path, SDR_SCENE_PATH, "%s/%s/scene.yaml", problems_folder(k), name);
+  if (strchr(name, '/') == NULL && strstr(name, ".yaml") == NULL) {
+    const char *folder;
+    for (int k = 0; (folder = problems_folder(k)) != NULL; ++k) {
+      const int length = snprintf(path, SDR_SCENE_PATH, "%s/%s/scene.yaml", folder, name);
       if (length < SDR_SCENE_PATH && is_file(path)) return SDR_OK;
     }
+  }
   struct stat info;
   int length = snprintf(path, SDR_SCENE_PATH, "%s/scene.yaml", name);
   if (*name && length < SDR_SCENE_PATH && is_file(path)) return SDR_OK;
