@@ -10,8 +10,8 @@ enum { SDR_SCENE_PATH = 1024 };
 
 /* Path of the scene that `name` means: a file, the scene.yaml in a folder, or
    problems/NAME/scene.yaml, looked for in the current folder, in $SUNDER_PROBLEMS and in the source
-   tree of this build. Else the message lists the problems, and names what may be meant: SDR_IO_ERROR of a
-   path, SDR_BAD_INPUT of a name. */
+   tree of this build. Else the message lists the problems, and names what may be meant:
+   SDR_IO_ERROR of a path, SDR_BAD_INPUT of a name. */
 sdr_status sdr_find_scene(const char *name, char path[SDR_SCENE_PATH]);
 
 /* What it is, where, and its variants. */

@@ -464,8 +464,8 @@ typedef struct sdr_scene {
   uint64_t hash;   /* FNV-1a over every key that affects the state, canonically written */
   char *used_yaml; /* the scene with every default filled in, as YAML text */
   int default_count;
-  char **defaults;         /* "damage.ell = 1 horizon": what was defaulted, for `check` */
-  const char *variants;    /* names of all, ", " between; "": none */
+  char **defaults;      /* "damage.ell = 1 horizon": what was defaulted, for `check` */
+  const char *variants; /* names of all, ", " between; "": none */
   int idle_count;
   char **idle;             /* "time.safety: the integrator static does not use it": what the scene
                               says without effect */

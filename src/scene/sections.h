@@ -59,9 +59,9 @@ const char *sdr_shape_face_list(const sdr_shape *shape, sdr_dimension dimension)
 void sdr_read_points(sdr_reading *reading);
 void sdr_read_adapt(sdr_reading *reading, sdr_node *points); /* adapt.c: its mapping `adapt` */
 void sdr_check_adapt(sdr_reading *reading);                  /* refuse it where it cannot be done */
-void sdr_read_model(sdr_reading *reading);     /* of the first material; its errors come later */
-void sdr_read_family(sdr_reading *reading);    /* after model */
-void sdr_read_damage(sdr_reading *reading);    /* after model */
+void sdr_read_model(sdr_reading *reading);  /* of the first material; its errors come later */
+void sdr_read_family(sdr_reading *reading); /* after model */
+void sdr_read_damage(sdr_reading *reading); /* after model */
 /* 1 if the scene wants no damage law; a law that is in error is one. */
 int sdr_is_lawless(const sdr_reading *reading);
 void sdr_read_materials(sdr_reading *reading); /* after damage: the law decides on toughness */
