@@ -114,7 +114,7 @@ static sdr_status name_picture(const sdr_rundata *run, const sdr_plot_options *o
                                const char *name, char path[PATH_ROOM])
 {
   char time[64] = "", at[72] = "";
-  int frame;
+  int frame = 0;
   if (strchr(name, '/') || strlen(name) > 200)
     return sdr_fail(SDR_BAD_INPUT, "\"%s\" is not the name of a field", name);
   if (!isnan(options->time)) {

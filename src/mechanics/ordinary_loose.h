@@ -126,10 +126,10 @@ SDR_INLINE void sift_lanes(const int use, const int flagged, const sdr_ordinary_
   to->fresh |= after;
 }
 
-SDR_INLINE void sums_of_lanes(const int components, const int squares, const int use,
-                              const int flagged, const int linear, const int printed,
-                              const sdr_ordinary_own *own, const int64_t column[2], int lane,
-                              sdr_ordinary_sum_lanes *out)
+SDR_INLINE sdr_ordinary_sum_lanes sums_of_lanes(const int components, const int squares,
+                                                const int use, const int flagged, const int linear,
+                                                const int printed, const sdr_ordinary_own *own,
+                                                const int64_t column[2], int lane)
 {
   const sdr_loose *loose = &own->o->body.bonds->loose;
   sdr_ordinary_sum_lanes to = {0};
@@ -144,7 +144,7 @@ SDR_INLINE void sums_of_lanes(const int components, const int squares, const int
     to.sum = fma_lanes(w * loose_p(printed, &p), s, to.sum);
     if (squares) to.square = fma_lanes(w * loose_q(printed, &p), s * s, to.square);
   }
-  *out = to;
+  return to;
 }
 
 /* array[point] += lane after lane, since lanes may repeat a point. */
@@ -165,9 +165,9 @@ SDR_INLINE void sums_of_loose(const int components, const int squares, const int
       sdr_ordinary_sum_lanes to;
       own_lanes(components, 0, o, c, lane, u, &own);
       if (printed)
-        sums_of_lanes(components, squares, use, flagged, linear, 1, &own, column, lane, &to);
+        to = sums_of_lanes(components, squares, use, flagged, linear, 1, &own, column, lane);
       else
-        sums_of_lanes(components, squares, use, flagged, linear, 0, &own, column, lane, &to);
+        to = sums_of_lanes(components, squares, use, flagged, linear, 0, &own, column, lane);
       add_lanes(to.sum, own.point, o->sum);
       if (squares) add_lanes(to.square, own.point, o->square);
       if (o->lost) add_lanes(to.lost, own.point, o->lost);

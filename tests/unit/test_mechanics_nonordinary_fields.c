@@ -118,7 +118,7 @@ static void check_fields(const body_how *shape, sdr_elasticity law)
   const nonordinary_how how = {.shape = *shape, .elasticity = law};
   nonordinary b = nonordinary_create(&how);
   const int n = b.shape.points->components;
-  double g[9] = {0.0}, own[9], strain[9], stress[9], trace = 0.0, *u[3];
+  double g[9] = {0.0}, own[9] = {0.0}, strain[9], stress[9], trace = 0.0, *u[3];
   for (int r = 0; r < n; ++r)
     for (int c = 0; c < n; ++c) g[3 * r + c] = own[n * r + c] = gradient[3 * r + c];
   for (int r = 0; r < n; ++r) trace += own[n * r + r];
