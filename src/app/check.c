@@ -5,6 +5,7 @@
 #include "app/check_material.h"
 #include "app/directory.h"
 #include "app/figures.h"
+#include "app/plot_units.h"
 #include "app/run_equation.h"
 #include "app/watch.h"
 #include "base/memory.h"
@@ -74,13 +75,28 @@ static sdr_status print_static(const sdr_built *built, FILE *out)
   return SDR_OK;
 }
 
+/* The stable step, the step, and the end of a run, each with the unit that fits. */
+typedef struct {
+  char stable[32], step[32], end[32];
+} moments;
+
+static moments moments_of(const sdr_built *built)
+{
+  moments m;
+  sdr_quantity(built->stable_step, "s", 5, m.stable, sizeof m.stable);
+  sdr_quantity(built->step, "s", 5, m.step, sizeof m.step);
+  sdr_quantity(built->scene->time.end, "s", 6, m.end, sizeof m.end);
+  return m;
+}
+
 /* Of integrators that choose their steps and hold their error. */
 static sdr_status print_adaptive(const sdr_built *built, FILE *out)
 {
   sdr_tolerances tolerances;
+  const moments m = moments_of(built);
   SDR_TRY(sdr_tolerances_choose(built->system, built->stable_step, &tolerances));
-  fprintf(out, "stable step         %.5g us; steps are chosen, at most %.5g us long, to %g us\n",
-          built->stable_step * 1e6, built->step * 1e6, built->scene->time.end * 1e6);
+  fprintf(out, "stable step         %s; steps are chosen, at most %s long, to %s\n", m.stable,
+          m.step, m.end);
   fprintf(out, "tolerances          %g of a value and %.4g m, %.4g m/s\n", tolerances.relative,
           tolerances.displacement, tolerances.velocity);
   if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
@@ -92,9 +108,9 @@ static sdr_status print_step(const sdr_built *built, FILE *out)
   if (built->integrator->is_static) return print_static(built, out);
   if (built->integrator == &sdr_cvode || built->integrator == &sdr_ida)
     return print_adaptive(built, out);
-  fprintf(out, "stable step         %.5g us; step %.5g us (%.3g of it), %lld steps to %g us\n",
-          built->stable_step * 1e6, built->step * 1e6, built->step / built->stable_step,
-          (long long)built->steps, built->scene->time.end * 1e6);
+  const moments m = moments_of(built);
+  fprintf(out, "stable step         %s; step %s (%.3g of it), %lld steps to %s\n", m.stable, m.step,
+          built->step / built->stable_step, (long long)built->steps, m.end);
   if (built->warning[0]) fprintf(out, "warning             %s\n", built->warning);
   return SDR_OK;
 }

@@ -5,6 +5,7 @@
 #include "app/constants.h"
 #include "app/directory.h"
 #include "app/figures.h"
+#include "app/plot_units.h"
 #include "app/run_equation.h"
 #include "app/stop.h"
 #include "app/watch.h"
@@ -249,10 +250,13 @@ static void print_adapt(const run *r, const sdr_summary *s, FILE *out)
 static void print_results(const run *r, const sdr_summary *s, const sdr_ring_counts *ring,
                           FILE *out)
 {
-  fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %.6g us\n", s->scene->title,
-          (long long)s->points, (long long)s->bonds, (long long)s->steps, s->time_end * 1e6);
+  char time[32];
+  sdr_quantity(s->time_end, "s", 6, time, sizeof time);
+  fprintf(out, "%s: %lld points, %lld bonds, %lld steps to %s\n", s->scene->title,
+          (long long)s->points, (long long)s->bonds, (long long)s->steps, time);
   if (r->watch.onset && isnan(s->onset_time)) fprintf(out, "onset of damage     never\n");
-  if (!isnan(s->onset_time)) fprintf(out, "onset of damage     %.4g us\n", s->onset_time * 1e6);
+  sdr_quantity(s->onset_time, "s", 4, time, sizeof time);
+  if (!isnan(s->onset_time)) fprintf(out, "onset of damage     %s\n", time);
   if (s->fragments_known)
     fprintf(
         out,

@@ -142,7 +142,7 @@ static void check_tells_what_would_run_and_runs_nothing(void **state)
       "body                area of the points 0.04914 m^2, of the shape 0.04914 m^2 (+0.0 %)",
       "; mass 385.7 kg\n",
       "load                pressure on inner: acts on 920 points\n",
-      "stable step         0.1832 us; step 0.1 us (0.546 of it), 1000 steps to 100 us\n",
+      "stable step         183.2 ns; step 100 ns (0.546 of it), 1000 steps to 100 us\n",
       "memory              ",
       " MB damage history\n",
       "material            body: E 210 GPa, density 7850 kg/m^3, E scattered by 5 %\n",
