@@ -178,6 +178,7 @@ static sdr_status look_closer(sdr_solver *solver, const sdr_csr *a)
 static sdr_status factor_values(sdr_solver *solver, const sdr_csr *matrix)
 {
   solver->matrix = NULL;
+  solver->report.singular = 0;
   solver->report.singular_row = -1;
   solver->report.weakest = INFINITY;
   if (matrix->rows > 0) {
@@ -216,6 +217,7 @@ sdr_status sdr_solver_refactor(sdr_solver *solver, const sdr_csr *matrix)
 sdr_status sdr_solver_singular(sdr_solver_report *report, const sdr_csr *matrix, int32_t row,
                                const char *how)
 {
+  report->singular = 1;
   report->singular_row = row;
   if (row < 0)
     return sdr_fail(SDR_RUN_FAILED, "the matrix of %d rows is %s", (int)matrix->rows, how);

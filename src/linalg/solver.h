@@ -37,14 +37,15 @@ sdr_status sdr_solver_precondition(sdr_solver *solver, const double *b, double *
 
 /* What a solver was, held and did. */
 typedef struct {
-  const char *name;     /* the solver that was chosen; "auto" before the first factor */
-  double bytes;         /* held at most */
-  double nonzeros;      /* of the factor; 0: none */
-  double flops;         /* that the factor took; 0: none or not known */
-  int64_t iterations;   /* so far; 0: direct */
-  double residual;      /* |b - A x|/|b| of the last solve */
-  double weakest;       /* least pivot of the factor, over the entry of A that it started from */
-  int32_t singular_row; /* where the last factor or solve found A singular; -1: nowhere */
+  const char *name;   /* the solver that was chosen; "auto" before the first factor */
+  double bytes;       /* held at most */
+  double nonzeros;    /* of the factor; 0: none */
+  double flops;       /* that the factor took; 0: none or not known */
+  int64_t iterations; /* so far; 0: direct */
+  double residual;    /* |b - A x|/|b| of the last solve */
+  double weakest;     /* least pivot of the factor, over the entry of A that it started from */
+  int singular;       /* 1: the last factor or solve found A singular (or not positive definite) */
+  int32_t singular_row; /* where; -1: nowhere, or not known */
 } sdr_solver_report;
 sdr_solver_report sdr_solver_report_of(const sdr_solver *solver);
 

@@ -156,16 +156,21 @@ static void set_shift(sdr_equilibrium *e)
     e->wide[r] = 1e-9 * e->stiffest + (e->pull ? e->pull[r] : 0.0);
 }
 
-/* Factor what was assembled last, of the tangent that the reduction knows. */
-static sdr_status factor_matrix(sdr_equilibrium *e)
+/* What was assembled last, of the tangent that the reduction knows, as it is to be factored;
+ *renewed = 1: entries stand in other places than before. */
+static sdr_status prepare_matrix(sdr_equilibrium *e, int *renewed)
 {
-  int renewed;
   SDR_TRY(sdr_mean_border_take(e->border, e->implicit));
   const sdr_constraints *open = sdr_mean_border_open(e->border);
-  SDR_TRY(sdr_reduction_update(e->reduction, open, &renewed));
+  SDR_TRY(sdr_reduction_update(e->reduction, open, renewed));
   set_shift(e);
   sdr_mean_border_add_springs(e->border, e->stiffest, e->wide);
   sdr_reduction_add_diagonal(e->reduction, open, e->wide);
+  return SDR_OK;
+}
+
+static sdr_status factor_matrix(sdr_equilibrium *e, int renewed)
+{
   const sdr_csr *reduced = sdr_reduction_matrix(e->reduction);
   ++e->implicit->system->solve.factorisations;
   const int again = e->factored && !renewed;
@@ -178,14 +183,18 @@ static sdr_status factor_matrix(sdr_equilibrium *e)
 
 sdr_status sdr_equilibrium_factor(sdr_equilibrium *e, const double *u)
 {
+  int renewed;
   if (e->secant) {
     SDR_TRY(sdr_equilibrium_linearise(e, u, 1));
-    if (factor_matrix(e) == SDR_OK) return SDR_OK;
+    SDR_TRY(prepare_matrix(e, &renewed));
+    const sdr_status status = factor_matrix(e, renewed);
+    if (status == SDR_OK || !sdr_solver_report_of(e->solver).singular) return status;
   }
   sdr_tangent *tangent = e->secant ? e->secant : e->tangent;
   SDR_TRY(sdr_tangent_update(tangent, NULL, e->still));
   e->matrix = sdr_tangent_matrix(tangent);
-  return factor_matrix(e);
+  SDR_TRY(prepare_matrix(e, &renewed));
+  return factor_matrix(e, renewed);
 }
 
 sdr_status sdr_equilibrium_precondition(sdr_equilibrium *e, const double *r, double *z)

@@ -193,8 +193,7 @@ static sdr_status factor_and_solve(problem *p, sdr_solver *solver)
     record->residual = report.residual;
     return SDR_OK;
   }
-  const int singular =
-      report.singular_row >= 0 || report.residual > 1e-6 || strstr(sdr_error_message(), "singular");
+  const int singular = report.singular || report.residual > 1e-6;
   return singular ? explain(p, report.singular_row) : status;
 }
 
