@@ -82,7 +82,7 @@ typedef struct {
 
 static moments moments_of(const sdr_built *built)
 {
-  moments m = {""};
+  moments m = {"", "", ""};
   sdr_quantity(built->stable_step, "s", 5, m.stable, sizeof m.stable);
   sdr_quantity(built->step, "s", 5, m.step, sizeof m.step);
   sdr_quantity(built->scene->time.end, "s", 6, m.end, sizeof m.end);
